@@ -108,7 +108,13 @@ std::string about_asked(const ResultGroup& group, UnitSystem units) {
 }
 
 std::string about(const AccuracyResult& accuracy) {
-  const std::string by = accuracy.companion.empty() ? "" : "; errors by " + accuracy.companion;
+  std::string by;
+  if (!accuracy.companion.empty()) {
+    by = "; errors by " + accuracy.companion;
+    by += accuracy.companion_scheme != accuracy.scheme
+              ? " and, of another family, " + accuracy.second_companion
+              : ", of the same integrator alone";
+  }
   return fmt::format("{:g} asked: {}{}", accuracy.asked, accuracy.integrator, by);
 }
 

@@ -14,7 +14,9 @@
 /// tolerances ten and a hundred times as wide, or steps twice and four times as long. Of the same
 /// scheme, they err as the run does, only more, in every observable. The stated error is a share of
 /// the larger difference (pilot.hpp): one difference alone is small by chance now and then, where
-/// an error changes its sign between two settings.
+/// an error changes its sign between two settings. Where an integrator of another family is as
+/// accurate at the cost of a companion, it runs the scene, too: what one family loses in every
+/// setting is seen by the other alone. Its difference counts where it contradicts the run.
 namespace tomlin {
 
 /// Does what the scene says: with `[run] accuracy`, picks its integrator, runs, and estimates the

@@ -79,6 +79,7 @@ void keep_choice(RunStore& store, const ChosenIntegrator& chosen) {
   for (const Companion& one : chosen.companions) {
     writer.text(one.text);
     writer.number(one.share);
+    writer.number(one.other_family);
   }
   writer.number(chosen.length);
   writer.number(chosen.pilot_cost);
@@ -100,11 +101,12 @@ std::optional<ChosenIntegrator> kept_choice(const RunStore& store,
   reader.text(chosen.text);
   std::size_t companions = 0;
   reader.number(companions);
-  if (companions > kCompanions) return std::nullopt;
+  if (companions > kCompanions + 1) return std::nullopt;
   chosen.companions.resize(companions);
   for (Companion& one : chosen.companions) {
     reader.text(one.text);
     reader.number(one.share);
+    reader.number(one.other_family);
   }
   reader.number(chosen.length);
   reader.number(chosen.pilot_cost);

@@ -38,6 +38,15 @@ constexpr int kMostShortenings = 6;
 constexpr double kFirstCost = 2e3;  ///< of a reference
 /// Costs that are projected from a part of a run may be so many times too high.
 constexpr double kRoom = 2.0;
+/// The first companion's share for one of another family, whose error is stated as it is: over a
+/// whole run it may be ten times what it is in the pilot.
+constexpr double kShareOfOther = 0.02;
+/// Of what is left for a companion of another family, what it may take in the pilot: the run is not
+/// quite as the pilot.
+constexpr double kShareOfWhatIsLeft = 0.8;
+/// A setting and a finer one differ from the reference by the same, but for this part of it, where
+/// it is not they that err.
+constexpr double kUnchanged = 0.1;
 constexpr double kLeastPart = 1e-12;
 constexpr std::array kTolerances = {1e-2, 1e-3, 1e-4,  1e-5,  1e-6,  1e-7,
                                     1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13};
@@ -99,7 +108,8 @@ struct Piece {
 };
 
 /// The first slip comes when the spring has been stretched by stick_slip() / (2 pi) periods, and
-/// slips are as far apart where they are long.
+/// slips are as far apart where they are long. The pilot has as many of them after the last force
+/// has become active, which it does in the same part of the pilot as of the run.
 Piece pilot_of(const std::shared_ptr<const Scene>& scene) {
   constexpr double kTau = 6.283185307179586;
   double cycle = 0.0;
@@ -109,14 +119,26 @@ Piece pilot_of(const std::shared_ptr<const Scene>& scene) {
     cycle = std::max(cycle, std::max(1.0, periods) * kTau / sliding.washboard_frequency);
   }
   const double duration = scene->run.duration;
+  double begun = 0.0;  // the part of the run in which forces are still to become active
+  for (const SceneForce& force : scene->forces) {
+    if (force.active) begun = std::max(begun, force.active->from / duration);
+  }
+  if (begun < 1.0) cycle /= 1.0 - begun;
   // Without a period a part of the run has to stand for it.
   if (cycle == 0.0) return {duration / 8.0, duration / 24.0};
   if (3.0 * cycle >= duration) return {duration, duration / 3.0};
   return {3.0 * cycle, cycle};
 }
 
+/// What begins or ends in the run does so in the same part of the pilot.
 std::shared_ptr<const Scene> shortened(const Scene& scene, const Piece& piece) {
   auto result = std::make_shared<Scene>(scene);
+  const double part = piece.duration / scene.run.duration;
+  for (SceneForce& force : result->forces) {
+    if (!force.active) continue;
+    force.active->from *= part;
+    if (force.active->until) *force.active->until *= part;
+  }
   result->run.duration = piece.duration;
   result->run.until.reset();
   result->run.perturb.reset();
@@ -216,6 +238,7 @@ class Pilot {
     for (const Tried& one : coarser_than(*main)) {
       chosen.companions.push_back({scene_at(one), line(one), shares[chosen.companions.size()]});
     }
+    add_other_family(*main, chosen);
     if (chosen.companions.size() == 1) chosen.companions.front().share *= kAlone;
     return chosen;
   }
@@ -379,13 +402,19 @@ class Pilot {
     climb(std::move(left), wanted);
   }
 
-  /// The cheapest first, each until a setting is as wanted, or more expensive than one that is.
   void climb(std::vector<Next> left, const Wanted& wanted) {
+    climb(std::move(left), wanted, most_expensive_, [](const Tried&) { return true; });
+  }
+
+  /// The cheapest first, each until a setting is as wanted, or more expensive than one among these
+  /// that is.
+  template <class Among>
+  void climb(std::vector<Next> left, const Wanted& wanted, double most_expensive, Among among) {
     while (!left.empty() && !interrupted()) {
       const auto next = std::min_element(
           left.begin(), left.end(), [](const Next& a, const Next& b) { return a.cost < b.cost; });
-      const auto best = cheapest_of(wanted);
-      const Tried tried = try_out(next->method, next->level, best ? best->cost : most_expensive_);
+      const auto best = cheapest_of(wanted, among);
+      const Tried tried = try_out(next->method, next->level, best ? best->cost : most_expensive);
       if (wanted.met_by(tried) || tried.cost == kInfinity || ++next->level == kMostResolutions) {
         left.erase(next);
       } else {
@@ -455,13 +484,68 @@ class Pilot {
   }
 
   std::optional<Tried> cheapest_of(const Wanted& wanted) const {
+    return cheapest_of(wanted, [](const Tried&) { return true; });
+  }
+  template <class Among>
+  std::optional<Tried> cheapest_of(const Wanted& wanted, Among among) const {
     std::optional<Tried> found;
     for (const Tried& one : tried_) {
-      if (wanted.met_by(one) && one.cost < kInfinity && (!found || one.cost < found->cost)) {
-        found = one;
-      }
+      if (!wanted.met_by(one) || !(one.cost < kInfinity) || !among(one)) continue;
+      if (!found || one.cost < found->cost) found = one;
     }
     return found;
+  }
+
+  /// The companion that tells whether the integrator of the run has an error that its own settings
+  /// share: of another family, at what the other companions leave for it.
+  void add_other_family(const Tried& main, ChosenIntegrator& chosen) {
+    const Wanted wanted{.error = kShareOfOther * accuracy_};
+    double left = kMostForCompanions * main.cost;
+    for (const Tried& one : coarser_than(main)) left -= one.cost;
+    // Short runs are spared nothing that the pilot has not cost already.
+    const double of_pilot = static_cast<double>(cost_) * piece_.duration / scene_->run.duration;
+    const double allowed = std::min(std::max(kShareOfWhatIsLeft * left, of_pilot), most_cost_);
+    const auto solves = [this](std::size_t k) { return methods_[k].integrator->needs_tangent; };
+    const auto is_other = [&](const Tried& one) {
+      return solves(one.method) != solves(main.method) && one.finished && one.cost <= allowed;
+    };
+    std::vector<Next> others;
+    for (std::size_t k = 0; k < methods_.size(); ++k) {
+      if (solves(k) == solves(main.method)) continue;
+      const int level = first_level(k);
+      others.push_back({k, level, cost_of_steps(k, level).value_or(0.0)});
+    }
+    climb(std::move(others), wanted, allowed, is_other);
+    std::optional<Tried> other;
+    for (auto found = cheapest_of(wanted, is_other); found && found->level + 1 < kMostResolutions;
+         found = cheapest_of(wanted, is_other)) {
+      // An error may be small by chance: the next finer setting has to be as good, and is taken.
+      const Tried finer = try_out(found->method, level_of(*found) + 1, allowed);
+      if (!finer.finished || finer.cost > allowed || interrupted()) break;
+      if (wanted.met_by(finer)) {
+        other = finer;
+        break;
+      }
+      known(found->method, found->level)->error = finer.error;
+      climb({{found->method, level_of(*found) + 1}}, wanted, allowed, is_other);
+    }
+    if (!other) other = elsewhere(is_other);
+    if (!other) return;
+    chosen.companions.push_back({scene_at(*other), line(*other), kShareOfOtherFamily, true});
+  }
+
+  /// A setting that has come to rest away from the reference: finer ones would not come nearer.
+  template <class Among>
+  std::optional<Tried> elsewhere(Among among) const {
+    for (const Tried& finer : tried_) {
+      if (!among(finer) || !std::isfinite(finer.error) || finer.error <= accuracy_) continue;
+      const bool rests = std::any_of(tried_.begin(), tried_.end(), [&](const Tried& coarser) {
+        return coarser.method == finer.method && coarser.level + 1 == finer.level &&
+               std::abs(coarser.error - finer.error) <= kUnchanged * finer.error;
+      });
+      if (rests) return finer;
+    }
+    return std::nullopt;
   }
 
   /// Without a reference no error is known: the most expensive is the finest.

@@ -19,14 +19,16 @@
 /// evaluations of all forces and columns of Jacobians, never in seconds, so that the same scene
 /// gets the same integrator everywhere. The cheapest setting whose error after the pilot's first
 /// cycle is a tenth of what is asked for becomes the first companion; the run itself takes the next
-/// finer setting of the same integrator, and the second companion the next coarser one.
+/// finer setting of the same integrator, and the second companion the next coarser one. A third
+/// companion is of another family, an integrator that solves equations beside one that does not:
+/// what one family gets wrong at every setting shows in no difference between its own runs.
 namespace tomlin {
 
-/// What both companions together may cost, as a part of the run: where stability sets the steps, a
-/// wider tolerance spares nothing.
+/// What all companions together may cost, as a part of the run: where stability sets the steps, a
+/// wider tolerance spares nothing. That of another family may always take what the pilot has taken.
 inline constexpr double kMostForCompanions = 2.5;
 
-/// Companions, from the nearer one on.
+/// Companions of the run's own integrator, from the nearer one on.
 inline constexpr std::size_t kCompanions = 2;
 using CompanionShares = std::array<double, kCompanions>;
 
@@ -43,14 +45,19 @@ CompanionShares shares_of_steps(int order);
 /// The factor that one companion alone is trusted less by.
 inline constexpr double kAlone = 2.0;
 
+/// The share of the difference to a companion of another family, which is the run's own error but
+/// for the companion's: a quarter of room for that.
+inline constexpr double kShareOfOtherFamily = 1.25;
+
 /// Evaluations times coordinates that one run of the pilot may take: seconds.
 inline constexpr double kMostPilotWork = 4e8;
 
-/// A coarser run of the same scene.
+/// A coarser run of the same scene, or one by another family.
 struct Companion {
   std::shared_ptr<const Scene> scene;
   std::string text;    ///< the integrator as a line of a scene
   double share = 1.0;  ///< of the difference to it that is the error
+  bool other_family = false;
 };
 
 /// What warnings of the choice and of the errors are about.

@@ -138,13 +138,17 @@ TEST_P(Accuracy, IsKeptAndTheErrorIsNotHeldTooSmall) {
     EXPECT_LE(estimated(result), asked * std::abs(truth));
     EXPECT_EQ(test::briefs(result.warnings), std::vector<std::string>{});
     const double cost = static_cast<double>(result.force_evaluations + result.jacobian_columns);
-    EXPECT_LE(static_cast<double>(result.accuracy->companion_cost), kMostForCompanions * cost);
+    EXPECT_LE(static_cast<double>(result.accuracy->companion_cost),
+              kMostForCompanions * cost + static_cast<double>(result.accuracy->pilot_cost));
     EXPECT_GT(result.accuracy->companion_cost, 0U);
     // What is cited is what ran.
     const AccuracyResult& taken = *result.accuracy;
     ASSERT_TRUE(taken.scheme && taken.companion_scheme);
     EXPECT_NE(taken.integrator.find('"' + taken.scheme->name + '"'), std::string::npos);
-    EXPECT_NE(taken.companion.find('"' + taken.companion_scheme->name + '"'), std::string::npos);
+    const bool other = taken.companion_scheme != taken.scheme;
+    EXPECT_NE((other ? taken.second_companion : taken.companion)
+                  .find('"' + taken.companion_scheme->name + '"'),
+              std::string::npos);
   }
 }
 
@@ -319,19 +323,75 @@ TEST(AccuracyOf, WhatIsInTheStoreIsNotLookedForAgain) {
       choose_integrator(scene, test::standard(), &stop, kMostPilotWork, &store);
   EXPECT_FALSE(chosen.interrupted);
   EXPECT_EQ(chosen.text, alone.accuracy->integrator);
-  ASSERT_EQ(chosen.companions.size(), kCompanions);
+  ASSERT_EQ(chosen.companions.size(), kCompanions + 1);
+  EXPECT_TRUE(chosen.companions.back().other_family);
   EXPECT_EQ(chosen.companions.front().text, alone.accuracy->companion);
   EXPECT_EQ(chosen.pilot_cost, alone.accuracy->pilot_cost);
   store.counts.clear();
   const RunResult second = run(scene, options);
   const std::map<std::string, int> once = {
-      {"companion", 1}, {"second_companion", 1}};  // their ends, and no start before them
+      {"companion", 1},
+      {"second_companion", 1},
+      {"other_family", 1}};  // their ends, and no start before them
   EXPECT_EQ(store.counts, once);
   for (const RunResult* result : {&first, &second}) {
     ASSERT_EQ(result->errors.size(), alone.errors.size());
     for (std::size_t k = 0; k < alone.errors.size(); ++k) {
       EXPECT_EQ(result->errors[k].error, alone.errors[k].error) << alone.errors[k].path;
     }
+  }
+}
+
+/// A scheme that loses the corrugation does so at every setting: its own companions agree with it,
+/// the one of another family does not.
+TEST(AccuracyOf, WhatOneFamilyLosesTheOtherSees) {
+  const auto sound = test::scene_of(kTip);
+  ChosenIntegrator chosen = choose_integrator(sound, test::standard());
+  ASSERT_EQ(chosen.companions.size(), kCompanions + 1);
+  ASSERT_TRUE(chosen.companions.back().other_family);
+  EXPECT_NE(chosen.companions.back().scene->run.integrator.record->needs_tangent,
+            chosen.scene->run.integrator.record->needs_tangent);
+  const RunResult right = run_as_bound(chosen.scene);
+  const auto flat = test::scene_of(kTip, {{"force.sinusoidal_substrate.amplitude", "1e-6"}});
+  const auto without_corrugation = [&](const std::shared_ptr<const Scene>& scene) {
+    auto lost = std::make_shared<Scene>(*flat);
+    lost->run.integrator = scene->run.integrator;
+    return lost;
+  };
+  chosen.scene = without_corrugation(chosen.scene);
+  for (Companion& one : chosen.companions) {
+    if (!one.other_family) one.scene = without_corrugation(one.scene);
+  }
+  const auto with_errors = [&] {
+    RunResult planted = run_as_bound(chosen.scene);
+    estimate_errors(chosen, {}, planted);
+    return planted;
+  };
+  const RunResult planted = with_errors();
+  const double off = std::abs(*observable(planted, kMeanForce) - *observable(right, kMeanForce));
+  EXPECT_GT(off, 0.1 * std::abs(*observable(right, kMeanForce)));
+  EXPECT_GE(estimated(planted), off);
+  EXPECT_GT(test::count_of(FaultCode::run_accuracy_not_reached, planted.warnings), 0U);
+  chosen.companions.pop_back();
+  EXPECT_LT(estimated(with_errors()), 0.01 * off);
+}
+
+/// What begins in the middle of a run does so in the middle of its pilot.
+TEST(AccuracyOf, ThePilotSeesWhatBeginsLater) {
+  for (const std::string active : {"{ from = \"1 / v\" }", "{ from = \"5 / v\" }",
+                                   "{ from = \"2 / v\", until = \"5 / v\" }"}) {
+    SCOPED_TRACE(active);
+    std::string text = kTip;
+    const std::string key = "velocity = [\"v\"]\n";
+    text.insert(text.find(key) + key.size(), "active = " + active + "\n");
+    text.erase(text.find("[measure]"));
+    const RunResult result = run(test::scene_of(text));
+    ASSERT_EQ(result.status, RunStatus::finished);
+    EXPECT_EQ(test::count_of(FaultCode::run_accuracy_no_pilot, result.warnings), 0U);
+    const double truth = true_mean_force(text.c_str(), {});
+    const double error = std::abs(*observable(result, kMeanForce) - truth);
+    EXPECT_LE(error, estimated(result) + kErrorOfTruth * std::abs(truth));
+    EXPECT_LE(error, 1e-4 * std::abs(truth));
   }
 }
 
