@@ -82,11 +82,11 @@ struct AccuracyResult {
   double asked = 0.0;
   std::string integrator;  ///< as a line of a scene
   std::string companion;   ///< the same of the run that errors are estimated with; empty: none
-  std::string second_companion;                        ///< and of the coarser one beside it
+  std::string second_companion;                        ///< by another family, or coarser still
   std::uint64_t pilot_cost = 0;                        ///< evaluations and columns
-  std::uint64_t companion_cost = 0;                    ///< of both
+  std::uint64_t companion_cost = 0;                    ///< of all
   const IntegratorRecord* scheme = nullptr;            ///< the integrator's
-  const IntegratorRecord* companion_scheme = nullptr;  ///< null where there is no companion
+  const IntegratorRecord* companion_scheme = nullptr;  ///< of another family where there is one
 };
 
 /// Estimated error of an observable of this run, in its own unit.
