@@ -11,7 +11,6 @@
 namespace tomlin {
 namespace {
 
-bool is_ascii(char c) { return static_cast<unsigned char>(c) < 0x80U; }
 bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20U || c == 0x7F; }
 
 }  // namespace

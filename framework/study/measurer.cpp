@@ -1,6 +1,7 @@
 #include "framework/study/measurer.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -36,25 +37,33 @@ Measurement measurement_of(const TrialRun& trial, const std::string& path) {
 }  // namespace
 
 Measurer::Measurer(const Variants& variants, std::string observable, double budget_seconds,
-                   const std::atomic<bool>* stop)
+                   const std::atomic<bool>* stop, double pace)
     : variants_(variants),
       observable_(std::move(observable)),
       budget_(budget_seconds),
       stop_(stop),
+      pace_(pace),
       started_(std::chrono::steady_clock::now()) {}
 
 double Measurer::used() const {
+  if (pace_ > 0.0) return static_cast<double>(spent_) / pace_;
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
 }
 
 Measurement Measurer::with(const std::vector<Setting>& settings, double most_seconds,
-                           const std::optional<Perturbation>& perturbation) const {
+                           const std::optional<Perturbation>& perturbation) {
   try {
-    const TrialLimits limits{.seconds = std::min(most_seconds, left()),
-                             .stop = stop_,
-                             .perturbation = perturbation,
-                             .observables = {observable_}};
-    return measurement_of(try_run(variants_.with(settings), limits), observable_);
+    TrialLimits limits{.stop = stop_, .perturbation = perturbation, .observables = {observable_}};
+    const double seconds = std::min(most_seconds, left());
+    if (pace_ > 0.0) {
+      limits.cost = static_cast<std::uint64_t>(std::max(std::ceil(seconds * pace_), 1.0));
+    } else {
+      limits.seconds = seconds;
+    }
+    TrialRun trial = try_run(variants_.with(settings), limits);
+    spent_ += trial.cost();
+    if (pace_ > 0.0) trial.seconds = static_cast<double>(trial.cost()) / pace_;
+    return measurement_of(trial, observable_);
   } catch (const InputError& error) {
     Measurement refused;
     refused.end = TrialRun::End::refused;
@@ -73,7 +82,8 @@ const Measurement& Measurer::at(const Method& method, double resolution, double 
   remembered.limit = limit;
   Measurement& found = remembered.measurement;
   found = with(method.at(resolution), limit);
-  for (int k = 1; k < kTimings && found.defined() && found.seconds < kShort && !is_over(); ++k) {
+  const int timings = pace_ > 0.0 ? 1 : kTimings;
+  for (int k = 1; k < timings && found.defined() && found.seconds < kShort && !is_over(); ++k) {
     const Measurement again = with(method.at(resolution), limit);
     if (again.defined()) found.seconds = std::min(found.seconds, again.seconds);
   }

@@ -28,19 +28,19 @@ struct Measurement {
   std::uint64_t cost() const { return evaluations + columns; }
 };
 
-/// Measures one observable by the methods, within a budget of the machine's time. No run
-/// is done twice.
+/// Measures one observable by the methods, within a budget of time: of the machine, or counted in
+/// evaluations at a given pace, which is the same on every machine. No run is done twice.
 class Measurer {
  public:
-  /// The variants must outlive this.
+  /// The variants must outlive this. A `pace` of zero is the machine's own.
   Measurer(const Variants& variants, std::string observable, double budget_seconds,
-           const std::atomic<bool>* stop);
+           const std::atomic<bool>* stop, double pace = 0.0);
 
   /// At most so many seconds, and never more than the budget has left.
   const Measurement& at(const Method& method, double resolution, double most_seconds);
   /// The same without memory, for other settings or starts.
   Measurement with(const std::vector<Setting>& settings, double most_seconds,
-                   const std::optional<Perturbation>& perturbation = {}) const;
+                   const std::optional<Perturbation>& perturbation = {});
 
   const std::string& observable() const { return observable_; }
   double budget() const { return budget_; }
@@ -59,6 +59,8 @@ class Measurer {
   std::string observable_;
   double budget_;
   const std::atomic<bool>* stop_;
+  double pace_;              ///< evaluations and columns that count as a second
+  std::uint64_t spent_ = 0;  ///< evaluations and columns
   std::chrono::steady_clock::time_point started_;
   std::map<std::pair<std::string, double>, Remembered> known_;  ///< by method and resolution
 };

@@ -51,7 +51,8 @@ class TradeoffStudy {
                 const TradeoffRequest& request)
       : request_(request),
         variants_(scene, registry),
-        measurer_(variants_, full_path(scene, request.observable), request.budget, request.stop) {
+        measurer_(variants_, full_path(scene, request.observable), request.budget, request.stop,
+                  request.pace) {
     found_.observable = measurer_.observable();
     found_.units = scene->units;
     found_.tolerance = request.tolerance;

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Every part includes only what it depends on by ARCHITECTURE.md, directly or in turn.
-No part depends on itself in turn.
+No part depends on itself in turn. Nothing includes the insides of a library, which change with its
+versions.
 
 usage: includes_test.py SOURCE_DIR
 
@@ -12,6 +13,9 @@ import sys
 
 INCLUDE = re.compile(r'^#include "((?:framework|forcefields|integrators)/[^"]+)"', re.MULTILINE)
 ROW = re.compile(r"^\| ((?:`\w+`(?:, )?)+) \| ((?:`\w+`(?:, )?)*) *\|$", re.MULTILINE)
+LIBRARY_INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*[<"]([^>"]+)[>"]', re.MULTILINE)
+INSIDES = {"impl", "detail", "details", "internal", "bits", "src"}  # folders of a library's own
+OWN = ("framework/", "forcefields/", "integrators/", "tests/", "benchmarks/", "scenarios/")
 PAGE = "framework/ARCHITECTURE.md"
 TABLE = "| part | depends on |"
 
@@ -52,8 +56,8 @@ def circles(below):
 
 
 def includes(source):
-    """Path and text of each source file."""
-    for folder in ("framework", "forcefields", "integrators"):
+    """Path and text of each source file, tests and benchmarks included."""
+    for folder in OWN:
         for path in sorted((source / folder).rglob("*.[ch]pp")):
             yield path.relative_to(source).as_posix(), path.read_text(encoding="utf-8")
 
@@ -61,7 +65,12 @@ def includes(source):
 def faults(files, below):
     found = []
     for name, text in files:
+        for target in LIBRARY_INCLUDE.findall(text):
+            if not target.startswith(OWN) and INSIDES.intersection(target.split("/")[:-1]):
+                found.append(f"{name} includes {target}, which is the inside of a library")
         part = part_of(name)
+        if part not in below:
+            continue
         for target in INCLUDE.findall(text):
             other = part_of(target)
             if other != part and other not in below.get(part, set()):
@@ -84,7 +93,10 @@ def main():
     planted = [("framework/core/system/planted.hpp", '#include "framework/scene/scene.hpp"\n'),
                ("framework/core/numbers/planted.hpp",
                 '#include "framework/core/system/system.hpp"\n'),
-               ("integrators/planted.cpp", '#include "forcefields/register.hpp"\n')]
+               ("integrators/planted.cpp", '#include "forcefields/register.hpp"\n'),
+               # The insides of libraries.
+               ("framework/scene/planted.cpp", "#include <toml++/impl/preprocessor.h>\n"),
+               ("tests/planted.cpp", "# include <bits/stdc++.h>\n")]
     if len(faults(planted, below)) != len(planted):
         print("a planted fault was not seen")
         return 1

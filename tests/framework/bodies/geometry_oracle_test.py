@@ -22,6 +22,9 @@ except ImportError as missing:
 
 BOND = 1.42
 ROUNDINGS = 1e-9  # ASE's own coordinates have errors of 1e-12, its files 1e-8 (see below)
+# In units of the last digit of the largest coordinate: positions are kept relative to an origin
+# that follows a body, which is subtracted once and added once.
+ROUNDINGS_OF_ORIGIN = 2.0
 RUN = """
 [run]
 duration = 0.01
@@ -100,6 +103,8 @@ class Oracle(unittest.TestCase):
         """Positions, species, masses and velocities of a file that ASE writes."""
         molecule = ase.build.molecule("CH3CH2OH")
         molecule.set_array("velo", np.arange(27.0).reshape(9, 3) / 8.0)
+        # ASE 3.22 writes masses only where they are an array of the molecule's own.
+        molecule.set_masses(molecule.get_masses())
         for columns in (None, ["symbols", "positions", "masses", "velo"]):
             file = self.folder / "molecule.xyz"
             ase.io.write(file, molecule, format="extxyz", columns=columns)
@@ -115,7 +120,7 @@ class Oracle(unittest.TestCase):
             self.assertIn("particle_mass = [12.011, 12.011, 15.999, 1.008, ", scene)
 
     def test_files_of_tomlin(self):
-        """What a run leaves starts another one, with the same bits."""
+        """What a run leaves starts another one."""
         text = ('[[body]]\ntype = "nanotube"\nchirality = [4, 2]\nbond_length = 1.42\ncells = 1\n'
                 'roll = 0.1\nparticle_mass = 12.011\nspecies = "C"\nvelocity = [0.3, 0.2, 0.1]\n')
         first = self.run_scene(text)
@@ -123,8 +128,10 @@ class Oracle(unittest.TestCase):
         last = ase.io.read(self.folder / "again.xyz", index=-1)
         again = self.run_scene('[[body]]\ntype = "particles"\nfile = "again.xyz"\n'
                                'particle_mass = 12.011\n')
-        self.assertTrue(np.all(again.positions == last.positions))
-        self.assertFalse(np.all(again.positions == first.positions))
+        rounding = ROUNDINGS_OF_ORIGIN * np.spacing(np.max(np.abs(last.positions)))
+        self.assertLessEqual(np.max(np.abs(again.positions - last.positions)), rounding)
+        # Another frame of the file is seen.
+        self.assertGreater(np.max(np.abs(again.positions - first.positions)), rounding)
         self.assertEqual(again.get_chemical_symbols(), ["C"] * 56)
 
 

@@ -17,8 +17,9 @@ namespace {
 using Verdict = Sensitivity::Verdict;
 constexpr const char* kForce = "driver.mean_force.x";
 constexpr double kFine = 1e-9;
-/// Seconds, of which a run takes some milliseconds.
+/// Far more evaluations than a run takes.
 constexpr double kBudget = 60.0;
+constexpr double kPace = 1e6;
 
 /// The spread of a tip that slides, judged by a reference that moved so much at last.
 Sensitivity judged(double move, double tolerance, bool settled = true) {
@@ -33,7 +34,7 @@ Sensitivity judged(double move, double tolerance, bool settled = true) {
   reference.move = move;
   reference.settled = settled;
   reference.finest = !settled;
-  Measurer measurer(variants, kForce, kBudget, nullptr);
+  Measurer measurer(variants, kForce, kBudget, nullptr, kPace);
   return find_sensitivity(variants, methods_for(variants), reference, measurer, tolerance);
 }
 

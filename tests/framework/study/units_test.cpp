@@ -259,9 +259,10 @@ TEST(Units, UntilGivesTheSameBits) {
 
 Tradeoff tradeoff_in(const std::string& text, const std::vector<Setting>& settings) {
   constexpr double kSeconds = 60.0;  // far more than it takes: what is left out is not for time
+  constexpr double kPace = 1e6;      // evaluations a second, on every machine
   return measure_tradeoff(
       scene_of(text, settings), standard(),
-      {.observable = "driver.mean_force.x", .tolerance = 1e-3, .budget = kSeconds});
+      {.observable = "driver.mean_force.x", .tolerance = 1e-3, .budget = kSeconds, .pace = kPace});
 }
 
 TEST(Units, TheTradeIsTheSame) {
@@ -328,9 +329,10 @@ TEST(Units, DefaultTolerancesSeeTheLatticeOfATipInMetres) {
 }
 
 TEST(Units, TheTradeOfATipInMetresIsRelative) {
-  const Tradeoff found =
-      measure_tradeoff(scene_of(kSiTip), standard(),
-                       {.observable = "driver.mean_force.x", .tolerance = 1e-4, .budget = 20.0});
+  constexpr double kPace = 1e6;  // evaluations a second, on every machine
+  const Tradeoff found = measure_tradeoff(
+      scene_of(kSiTip), standard(),
+      {.observable = "driver.mean_force.x", .tolerance = 1e-4, .budget = 20.0, .pace = kPace});
   ASSERT_TRUE(found.reference);
   EXPECT_TRUE(found.scale.relative);
   ASSERT_TRUE(found.recommendation) << found.why_none;
