@@ -144,9 +144,10 @@ void Evaluation<Real>::gather(const AssemblyPlan& plan, const AssembledBodies<Re
         const bool add = set.centre[b];
         add_rigid(add ? rigid.gather_rotor_add : rigid.gather_rotor_set, bodies, k, nullptr, !add);
       } else {
-        const auto& into_centre = set.centre[b] ? rigid.gather_add : rigid.gather_set;
-        add_rigid(into_centre[dimension - 1], bodies, k, rigid.gather_lanes[dimension - 1],
-                  !set.centre[b]);
+        const int axis = dimension - 1;
+        const Kernel<Real> into_centre =
+            set.centre[b] ? rigid.gather_add[axis] : rigid.gather_set[axis];
+        add_rigid(into_centre, bodies, k, rigid.gather_lanes[axis], !set.centre[b]);
       }
       set.centre[b] = true;
     }

@@ -21,11 +21,11 @@ struct TradeoffRequest {
   double tolerance =
       1e-3;  ///< of the observable, relative to it; where it is zero, to the scene's units
   double budget = 60.0;  ///< seconds of the machine's time
-  /// Evaluations that count as a second in place of the machine's: no result depends on its speed.
-  double pace = 0.0;
   const std::atomic<bool>* stop = nullptr;
   /// Called before each part of the work with what it is: "reference", "rk4".
   std::function<void(const std::string&)> on_progress = {};
+  /// Evaluations that count as a second in place of the machine's: no result depends on its speed.
+  double pace = 0.0;
 };
 
 /// One run of the work-precision diagram.

@@ -18,13 +18,6 @@
 namespace tomlin::test {
 namespace {
 
-/// Runs of these scenes are no longer than their right numbers need: of no interest here.
-bool is_of_a_short_window(const Warning& warning) {
-  return warning.code == FaultCode::run_window_not_whole ||
-         warning.code == FaultCode::run_few_slips ||
-         warning.code == FaultCode::run_window_not_steady;
-}
-
 namespace fs = std::filesystem;
 
 constexpr const char* kTextFiles[] = {kSummaryFile, kTableFile, kEventsFile, kXyzFile};
@@ -80,9 +73,7 @@ void run_into(const fs::path& path, const std::shared_ptr<const Scene>& scene,
     observed.outcome = Outcome::failed;
     observed.message = to_string(*result.failure);
   }
-  for (const Warning& warning : result.warnings) {
-    if (!is_of_a_short_window(warning)) observed.warnings.push_back(warning);
-  }
+  observed.warnings = result.warnings;
   for (const Value& value : extreme.values) {
     observed.values.push_back(
         observable(result, value.path).value_or(std::numeric_limits<double>::quiet_NaN()));

@@ -65,16 +65,21 @@ def check_run(root):
         assert '"status": "finished"' in (Path(folder) / "out/summary.json").read_text()
 
 
-def check_bare_system(package, folder):
+def make_bare_system(suite, folder):
     if os.geteuid() != 0:
         skip("a bare system is made by root")
     if shutil.which("debootstrap") is None:
         skip("there is no debootstrap")
     root = folder / "root"
-    made = subprocess.run(["debootstrap", "--variant=minbase", SUITE, str(root)],
+    made = subprocess.run(["debootstrap", "--variant=minbase", suite, str(root)],
                           capture_output=True, text=True)
     if made.returncode != 0:
         skip("debootstrap cannot make a bare system here: " + made.stdout[-500:])
+    return root
+
+
+def check_bare_system(package, folder):
+    root = make_bare_system(SUITE, folder)
     shutil.copy(package, root / "tmp")
     output_of("chroot", str(root), "apt-get", "install", "-y", "--no-install-recommends",
               f"/tmp/{package.name}")

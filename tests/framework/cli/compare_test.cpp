@@ -50,17 +50,17 @@ TEST_F(CompareCommand, WarningsHaveTheirCodes) {
 }
 
 TEST_F(CompareCommand, RefusesWrongInput) {
-  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
-           {"compare", "tip.toml", "--observable", kForce},
-           {"compare", "tip.toml", "tip.toml"},
-           {"compare", "tip.toml", "none.toml", "--observable", kForce},
-           {"compare", "tip.toml", "tip.toml", "--observable", kForce, "--tolerance", "0"},
-           {"compare", "tip.toml", "tip.toml", "--observable", "driver.mean_farce.x"}}) {
-    const Ended ended = tomlin(words);
-    EXPECT_EQ(ended.status, 2) << ended.out;
-    EXPECT_NE(ended.err, "");
-    EXPECT_FALSE(exists("compare.out"));
-  }
+  expect_refused({"compare", "tip.toml", "--observable", kForce},
+                 "tomlin: [command.missing_argument]\n", {"two or more"});
+  expect_refused({"compare", "tip.toml", "tip.toml"}, "tomlin: [command.missing_argument]\n",
+                 {"--observable is required"});
+  expect_refused({"compare", "tip.toml", "none.toml", "--observable", kForce},
+                 "none.toml:1:1: [file.cannot_read]\n");
+  expect_refused({"compare", "tip.toml", "tip.toml", "--observable", kForce, "--tolerance", "0"},
+                 "tomlin: [command.invalid_value]\n", {"--tolerance is 0"});
+  expect_refused(
+      {"compare", "tip.toml", "tip.toml", "--observable", "driver.mean_farce.x"},
+      "tip.toml: driver.mean_farce.x [observable.unknown] did you mean driver.mean_force.x\n");
 }
 
 }  // namespace
