@@ -168,7 +168,7 @@ def test_studies_are_objects(tip):
     assert check and check.holds and not check.failed and len(check.checks) > 10
     quick = tip.set({"run.duration": 100.0, "run.integrator": {"type": "rk4", "dt": 0.01},
                      "measure.from": 50.0, "measure.to": 100.0, "measure.in": "time"})
-    tradeoff = quick.tradeoff("driver.mean_force.x", tolerance=1e-3, budget=10.0)
+    tradeoff = quick.tradeoff("driver.mean_force.x", tolerance=1e-3, budget=600.0)
     best = tradeoff.recommended()
     truth = tradeoff.reference.value
     assert best.run()["driver.mean_force.x"] == pytest.approx(truth, rel=1e-3)
