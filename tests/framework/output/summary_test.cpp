@@ -91,7 +91,12 @@ TEST(Summary, HasEveryKeyOfAFinishedRun) {
             (Names{"end", "steps", "force_evaluations", "jacobian_columns", "refused_steps"}));
   EXPECT_EQ(summary["time"]["steps"], 123456789012345ULL);
   EXPECT_EQ(keys(summary["window"]), (Names{"from", "to"}));
-  EXPECT_EQ(keys(summary["drivers"]["driver"]), (Names{"mean_force",
+  EXPECT_EQ(keys(summary["drivers"]["driver"]), (Names{"trace",
+                                                       "retrace",
+                                                       "half_difference",
+                                                       "loop_area",
+                                                       "loops",
+                                                       "mean_force",
                                                        "mean_force_along",
                                                        "mean_force_across",
                                                        "final_force",
@@ -121,11 +126,6 @@ TEST(Summary, HasEveryKeyOfAFinishedRun) {
                                                        "work_per_distance",
                                                        "distance",
                                                        "dissipated_per_period",
-                                                       "trace",
-                                                       "retrace",
-                                                       "half_difference",
-                                                       "loop_area",
-                                                       "loops",
                                                        "force_deviation"}));
   EXPECT_EQ(keys(summary["bodies"]["ring"]),
             (Names{"centre_of_mass", "velocity", "rotation", "turns", "rolling", "mean_velocity",
