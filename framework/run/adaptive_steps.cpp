@@ -17,8 +17,9 @@ void AdaptiveSteps::advance(std::uint64_t) {
     return;
   }
   if (foresees_too_many_steps()) return;
-  if (run_.longest_step < rest) {
-    take(up_to_switch({0.0, run_.longest_step, run_.clock.now() + run_.longest_step}));
+  const double longest = parts_.uncontrolled.longest_step();
+  if (longest < rest) {
+    take(up_to_switch({0.0, longest, run_.clock.now() + longest}));
   } else {
     take(up_to_switch({0.0, rest, DoubleDouble(plan.duration)}));
   }

@@ -69,6 +69,17 @@ double RunContext::since_anchor() {
   return static_cast<double>(since) * plan.dt;
 }
 
+void RunContext::may_go_back() {
+  if (before_.replicas() == 0) before_ = state;
+}
+
+void RunContext::go_back() {
+  state.copy_numbers(before_);
+  model.attach(state);
+  anchor_here();
+  integrator->rebased();
+}
+
 DoubleDouble RunContext::into_step() const {
   return clock.now() - two_prod(static_cast<double>(clock.grid_steps()), plan.dt);
 }

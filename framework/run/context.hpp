@@ -69,6 +69,11 @@ struct RunContext {
   double since_anchor();
   /// How far a step of the grid has been taken when an event has split it; 0 on the grid.
   DoubleDouble into_step() const;
+  /// The state at the start of a step that may be taken again, and back to it. Memory for it is
+  /// made by may_go_back(), once the state is known.
+  void may_go_back();
+  void keep_state() { before_.copy_numbers(state); }
+  void go_back();
   /// A block of kBlock steps is complete: what is looked at now and then is looked at here.
   bool block_ends() const;
   /// Evaluations and columns have come to more than is allowed.
@@ -102,6 +107,8 @@ struct RunContext {
 
  private:
   void fail_by_record(const std::string& said);
+
+  RunState before_;
 };
 
 template <class Action>

@@ -61,6 +61,7 @@ struct Engine::Parts {
   Observation observation;
   Triggers triggers;
   Housekeeping housekeeping;
+  UncontrolledIntegrals uncontrolled;
   std::optional<UntilSteady> until;
   std::optional<UntilError> until_error;
   std::unique_ptr<Stepping> stepping;
@@ -80,7 +81,8 @@ Engine::Parts::Parts(const std::shared_ptr<const Scene>& scene, const RunOptions
     : run(scene, options),
       observation(run),
       triggers(run, observation.rotations()),
-      housekeeping(run, observation) {
+      housekeeping(run, observation),
+      uncontrolled(run) {
   RunPlan& plan = run.plan;
   plan = plan_run(run.model);
   observation.window().set(plan.window_from, plan.window_to);
@@ -96,10 +98,11 @@ Engine::Parts::Parts(const std::shared_ptr<const Scene>& scene, const RunOptions
     balance = std::make_unique<EnergyBalance>(scene, options);
     balance->start(until ? 0.0 : plan.window_from, until ? plan.duration : plan.window_to, plan.dt);
   }
+  if (uncontrolled.any()) observation.evaluate_forces_within_steps();
   declare_state();
   attach();
   rates.assign(view.rates + 2 * kGroup, 0.0);
-  stepping = stepping_of({run, observation, triggers, housekeeping, [this] {
+  stepping = stepping_of({run, observation, triggers, housekeeping, uncontrolled, [this] {
                             const bool more =
                                 until && until->end_period([this] { return measured(); });
                             if (more) observation.next_window();
@@ -119,6 +122,7 @@ void Engine::Parts::begin() {
   run.model.start(noise ? &*noise : nullptr, run.options.start_from);
   if (noise && run.path != nullptr) run.path->disturb(noise->size, noise->seed, noise->stream);
   housekeeping.start();
+  uncontrolled.start();
   StartFindings findings = check_start(run.model, run.plan, run.options.checks_step);
   run.stable_step = findings.stable_step;
   run.longest_step = findings.longest_step;
@@ -175,6 +179,7 @@ void Engine::Parts::declare_state() {
   observation.declare(layout);
   triggers.declare(layout);
   housekeeping.declare(layout);
+  uncontrolled.declare(layout);
   if (until) until->declare(layout);
   // Its checkpoints are of no use to a run from the scene's start.
   if (run.options.start_from != nullptr) layout.add_integers("started_elsewhere", 1);
@@ -194,6 +199,7 @@ void Engine::Parts::attach() {
   observation.attach(state);
   triggers.attach(state);
   housekeeping.attach(state);
+  uncontrolled.attach(state);
   if (until) until->attach(state);
   if (balance) {
     balance->attach(state.reals("energy_balance"), state.integers("energy_balance"));
@@ -459,6 +465,7 @@ std::string Engine::why_not_in_lanes() const {
   const RunContext& run = parts_->run;
   std::string reason = tomlin::why_not_in_lanes(run.model);
   if (!reason.empty()) return reason;
+  if (parts_->uncontrolled.any()) return "forces on what does not move need a control of the step";
   if (run.options.perturbation) return "noise is added to it";
   if (parts_->until_error) return "until looks at an error after every block of steps";
   const bool sees_steps = !watches_steps() || run.integrator->has_point_block();

@@ -7,6 +7,7 @@
 
 #include "framework/run/blocking.hpp"
 #include "framework/run/energy_terms.hpp"
+#include "framework/run/gauss_rule.hpp"
 #include "framework/run/observers/kinds.hpp"
 #include "framework/run/observers/observed_integrals.hpp"
 #include "framework/run/observers/scene_observers.hpp"
@@ -359,12 +360,7 @@ void Observation::complete_dense(double next_since) {
   if (!std::exchange(dense_is_complete_, true)) run_.integrator->finish_dense_from(next_since);
 }
 
-/// By Gauss and Legendre with four nodes (order 8), which is more than dense output has.
 void Observation::integrate(const DoubleDouble& from, const DoubleDouble& to, double next_since) {
-  static constexpr double kNodes[] = {0.0694318442029737124, 0.330009478207571868,
-                                      0.669990521792428132, 0.930568155797026288};
-  static constexpr double kWeights[] = {0.173927422568726929, 0.326072577431273071,
-                                        0.326072577431273071, 0.173927422568726929};
   if (at_nodes_.empty()) return;
   const double length = static_cast<double>(to - from);
   const auto part_at = [&](double time) {
@@ -374,14 +370,14 @@ void Observation::integrate(const DoubleDouble& from, const DoubleDouble& to, do
   const double part = part_at(window_.to().time) - begin;
   if (!(part > 0.0)) return;
   complete_dense(next_since);
-  for (int k = 0; k < 4; ++k) {
-    const double theta = begin + part * kNodes[k];
+  for (std::size_t k = 0; k < kGaussNodes; ++k) {
+    const double theta = begin + part * kGaussNode[k];
     run_.integrator->interpolate(theta, within_.position.data(), within_.velocity.data(),
                                  within_.integrals.data());
     const DoubleDouble time = from + theta * length;
     const RunMoment moment =
         moment_at(time, within_.position.data(), within_.velocity.data(), within_.integrals.data());
-    for (RunObserver* observer : at_nodes_) observer->node(moment, part * kWeights[k] * length);
+    for (RunObserver* observer : at_nodes_) observer->node(moment, part * kGaussWeight[k] * length);
   }
 }
 

@@ -29,6 +29,8 @@ class Observation {
   void placed();
   /// Samples, the window's edge and the equilibrium at the start of a run.
   void look_at_start();
+  /// See SignalSpan.
+  void evaluate_forces_within_steps() { span_.evaluate_forces(); }
 
   /// Before a step that begins at a time; steps of the grid go without velocities.
   void begin_step(double time);

@@ -46,11 +46,13 @@ void Signals::set_directions() {
   }
 }
 
-SignalSpan::SignalSpan(const Model& model, const Signals& signals,
-                       const Integrator<double>& integrator)
-    : signals_(signals),
+SignalSpan::SignalSpan(Model& model, const Signals& signals, const Integrator<double>& integrator)
+    : model_(model),
+      signals_(signals),
       integrator_(integrator),
+      position_(model.system().view.dofs + 2 * kGroup),
       velocity_(model.system().view.dofs + 2 * kGroup),
+      integrals_(model.system().view.rates + 2 * kGroup),
       rates_(model.system().view.rates + 2 * kGroup),
       within_(signals.count()) {
   for (std::vector<double>& values : at) values.assign(signals.count(), 0.0);
@@ -58,9 +60,19 @@ SignalSpan::SignalSpan(const Model& model, const Signals& signals,
 
 bool SignalSpan::read_dense(double theta, double time, std::vector<double>& into) const {
   if (!integrator_.between(theta, velocity_.data(), rates_.data())) return false;
+  if (evaluates_) evaluate(theta);
   signals_.write_forces(rates_.data(), into.data());
   signals_.write_speeds(velocity_.data(), time, into.data());
   return true;
+}
+
+/// The step is complete for interpolation.
+void SignalSpan::evaluate(double theta) const {
+  const DoubleDouble anchored = model_.anchor_time();
+  integrator_.interpolate(theta, position_.data(), velocity_.data(), integrals_.data());
+  model_.evaluate_at(anchored + theta * (to - from), position_.data(), velocity_.data(),
+                     integrals_.data(), rates_.data());
+  model_.anchor(anchored);
 }
 
 }  // namespace tomlin

@@ -89,7 +89,10 @@ struct SignalBlock {
 /// goes. The dense output tells more where there is one.
 class SignalSpan {
  public:
-  SignalSpan(const Model& model, const Signals& signals, const Integrator<double>& integrator);
+  SignalSpan(Model& model, const Signals& signals, const Integrator<double>& integrator);
+  /// From now on forces within a step are evaluated at the state of the dense output: where no
+  /// error estimate controls them, its polynomial through rates is beyond the largest force.
+  void evaluate_forces() { evaluates_ = true; }
 
   double from = 0.0;
   double to = 0.0;
@@ -107,9 +110,15 @@ class SignalSpan {
   double extreme_near(double theta, Function function) const;
 
  private:
+  void evaluate(double theta) const;
+
+  Model& model_;
   const Signals& signals_;
   const Integrator<double>& integrator_;
-  mutable AlignedVector<double> velocity_;  // aligned: kernels read them
+  bool evaluates_ = false;
+  mutable AlignedVector<double> position_;  // aligned: kernels read them
+  mutable AlignedVector<double> velocity_;
+  mutable AlignedVector<double> integrals_;
   mutable AlignedVector<double> rates_;
   mutable std::vector<double> within_;
 };

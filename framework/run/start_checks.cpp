@@ -127,18 +127,6 @@ bool holds_steps(const RunSettings& run) {
   return false;
 }
 
-double last_place_of(NumberType number_type) {
-  switch (number_type) {
-    case NumberType::single_precision:
-      return 0x1p-23;
-    case NumberType::double_precision:
-      return 0x1p-52;
-    case NumberType::quadruple_precision:
-      return 0x1p-112;
-  }
-  return 0.0;
-}
-
 /// Tolerances that floats can keep: ten units in the last place.
 constexpr double kFinestOfFloat = 1e-6;
 
@@ -520,6 +508,18 @@ void warn_of_short_window(Check& check) {
 }
 
 }  // namespace
+
+double last_place_of(NumberType number_type) {
+  switch (number_type) {
+    case NumberType::single_precision:
+      return 0x1p-23;
+    case NumberType::double_precision:
+      return 0x1p-52;
+    case NumberType::quadruple_precision:
+      return 0x1p-112;
+  }
+  return 0.0;
+}
 
 bool is_stable(double step, double stable_step) { return step < stable_step * (1.0 - kNoStep); }
 

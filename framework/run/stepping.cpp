@@ -40,7 +40,9 @@ bool Stepping::take(const Step& step) {
   // What falls on the end of a fixed step needs no interpolation.
   const bool dense =
       adaptive || waits || due < static_cast<double>(step.end) || observation.looks_within_steps();
-  if (waits) parts_.triggers.keep_state();
+  const bool may_be_taken_again = parts_.uncontrolled.any();
+  if (waits || may_be_taken_again) run_.keep_state();
+  if (may_be_taken_again) parts_.uncontrolled.begin_step();
   observation.begin_step(static_cast<double>(begin));
   const StepReport report = step_scheme(step.since, step.h, dense);
   if (report.fault != StepFault::none) {
@@ -49,6 +51,7 @@ bool Stepping::take(const Step& step) {
   }
   const bool shorter = adaptive && report.taken < step.h;
   const DoubleDouble arrived = shorter ? begin + report.taken : step.end;
+  if (may_be_taken_again && !parts_.uncontrolled.accept(begin, report.taken)) return true;
   if (waits) {
     const double length = adaptive ? report.taken : step.h;
     if (const auto passed = parts_.triggers.first_passed(begin, length, step.since)) {
@@ -86,7 +89,7 @@ bool Stepping::take(const Step& step) {
 bool Stepping::take_to_event(const Triggers::Passed& passed, const Step& step,
                              const DoubleDouble& begin, double length,
                              const DoubleDouble& arrived) {
-  parts_.triggers.go_back();
+  run_.go_back();
   if (passed.theta <= kNoStep) {
     fire(passed);
     return true;

@@ -8,6 +8,7 @@
 #include "framework/run/housekeeping.hpp"
 #include "framework/run/observation.hpp"
 #include "framework/run/triggers.hpp"
+#include "framework/run/uncontrolled_integrals.hpp"
 
 /// How a run is cut into steps: on a fixed grid, as an adaptive scheme has them, or along a path of
 /// equilibria.
@@ -19,6 +20,7 @@ struct StepParts {
   Observation& observation;
   Triggers& triggers;
   Housekeeping& housekeeping;
+  UncontrolledIntegrals& uncontrolled;
   /// True: another window begins where the last one has ended.
   std::function<bool()> window_ended;
 };

@@ -47,19 +47,12 @@ void Triggers::declare(StateLayout& layout) const {
 void Triggers::attach(RunState& state) {
   std::int64_t* beyond = state.integers("events.beyond");
   for (Trigger& trigger : triggers_) trigger.beyond = std::exchange(beyond, beyond + 2);
-  if (any() && before_.replicas() == 0) before_ = state;
+  if (any()) run_.may_go_back();
 }
 
 bool Triggers::waiting() const {
   return std::any_of(triggers_.begin(), triggers_.end(),
                      [this](const Trigger& one) { return force_of(one).bound->waits(); });
-}
-
-void Triggers::go_back() {
-  run_.state.copy_numbers(before_);
-  run_.model.attach(run_.state);
-  run_.anchor_here();
-  run_.integrator->rebased();
 }
 
 /// Sides are told apart: 0 above the upper value, 1 below the lower one.

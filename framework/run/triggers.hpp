@@ -24,9 +24,6 @@ class Triggers {
 
   bool any() const { return !triggers_.empty(); }
   bool waiting() const;
-  /// The state at the start of a step that may be split, and back to it.
-  void keep_state() { before_.copy_numbers(run_.state); }
-  void go_back();
 
   struct Passed {
     std::size_t trigger = 0;
@@ -65,7 +62,6 @@ class Triggers {
   AlignedVector<double> position_;
   AlignedVector<double> velocity_;
   AlignedVector<double> integrals_;
-  RunState before_;
 };
 
 }  // namespace tomlin
