@@ -19,7 +19,7 @@ struct RunContext;
 
 /// A sum over a window, known from some of its steps.
 struct SampledWork {
-  double work = 0.0;
+  double work = 0.0;  ///< sizes of its parts, and of those of heat: see EnergyTerms
   double heat = 0.0;
   double kinetic = 0.0;  ///< mean over the window
   double stored = 0.0;   ///< mean size of kinetic and potential energy, which round
@@ -28,8 +28,9 @@ struct SampledWork {
 };
 
 /// A warning where the numerical work is neither small beside work and heat nor the chance of a
-/// sample. Without heat it is held against the energy itself, too.
-std::optional<Warning> doubt_of_balance(const SampledWork& found, bool sampled, bool noise);
+/// sample. Without heat it is held against the energy itself, too. That of an adaptive scheme is
+/// also held against what its tolerance allows in so many steps.
+std::optional<Warning> doubt_of_balance(const SampledWork& found, bool sampled, RunContext& run);
 
 /// The balance of a run without a ledger, from short blocks of steps at random times, one in each
 /// of some equal parts of the window (stratified sampling). A second engine with a ledger takes the

@@ -1,5 +1,7 @@
 #include "framework/run/energy_terms.hpp"
 
+#include <cmath>
+
 #include "framework/run/context.hpp"
 #include "framework/run/prescribed_inertia.hpp"
 #include "framework/run/window.hpp"
@@ -13,8 +15,12 @@ EnergyTerms energy_terms(const Model& model, const double* from_integrals,
     return to_integrals[rate] - from_integrals[rate];
   };
   EnergyTerms terms;
+  const auto add = [](double part, double& sum, double& size) {
+    sum += part;
+    size += std::abs(part);
+  };
   for (const Model::Driver& driver : model.drivers()) {
-    terms.work += between(driver.first_rate + model.dimension());
+    add(between(driver.first_rate + model.dimension()), terms.work, terms.size_of_work);
     if (is_accelerated(model, driver)) {
       terms.work += inertia_lacking(model, driver, from_integrals, to_integrals, from, to).back();
     }
@@ -23,10 +29,15 @@ EnergyTerms energy_terms(const Model& model, const double* from_integrals,
     if (force.heat_rate == kNoRate) continue;
     // An energy that changes with time does work on the scene: its heat is that, with the other
     // sign.
-    (force.traits.conservative ? terms.work : terms.heat) +=
-        (force.traits.conservative ? -1.0 : 1.0) * between(force.heat_rate);
+    if (force.traits.conservative) {
+      add(-between(force.heat_rate), terms.work, terms.size_of_work);
+    } else {
+      add(between(force.heat_rate), terms.heat, terms.size_of_heat);
+    }
   }
-  if (model.friction_rate() != kNoRate) terms.heat += between(model.friction_rate());
+  if (model.friction_rate() != kNoRate) {
+    add(between(model.friction_rate()), terms.heat, terms.size_of_heat);
+  }
   return terms;
 }
 

@@ -12,6 +12,9 @@ struct EnergyTerms {
   double work = 0.0;    ///< by drivers, and by energies that change with time
   double heat = 0.0;    ///< to all dampers
   double stored = 0.0;  ///< change of kinetic and potential energy
+  /// Sizes of the parts of work and heat: one may put in what another one takes out.
+  double size_of_work = 0.0;
+  double size_of_heat = 0.0;
 
   double numerical() const { return stored + heat - work; }
 };

@@ -382,7 +382,7 @@ void Engine::Parts::read_end() {
   observation.finish(rates.data());
   if (!balance) return;
   if (const auto found = balance->found()) {
-    if (auto doubt = doubt_of_balance(*found, true, has_thermostat(*run.scene))) {
+    if (auto doubt = doubt_of_balance(*found, true, run)) {
       run.outcome.warnings.push_back(*std::move(doubt));
     }
   }

@@ -44,12 +44,12 @@ class EnergyLedger : public RunObserver {
     const EnergyTerms terms = ledger_of(run.model, parts_.window);
     const double at_end = kinetic_ + potential_;
     const SampledWork whole = {
-        .work = terms.work,
-        .heat = terms.heat,
+        .work = terms.size_of_work,
+        .heat = terms.size_of_heat,
         .kinetic = kinetic_,
         .stored = std::max(std::abs(at_end), std::abs(at_end - terms.stored)),
         .numerical = terms.numerical()};
-    if (auto doubt = doubt_of_balance(whole, false, has_thermostat(*run.scene))) {
+    if (auto doubt = doubt_of_balance(whole, false, run)) {
       run.outcome.warnings.push_back(*std::move(doubt));
     }
   }

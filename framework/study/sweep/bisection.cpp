@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <vector>
 
 namespace tomlin {
 namespace {
@@ -11,6 +13,11 @@ constexpr double kJumpKeeps = 0.5;
 
 double difference_of(const Bisection::End& one, const Bisection::End& other) {
   return std::abs(one.number - other.number);
+}
+
+bool crosses(const SweepRefinement& refinement, const Bisection::End& one,
+             const Bisection::End& other) {
+  return (one.number < *refinement.level) != (other.number < *refinement.level);
 }
 
 }  // namespace
@@ -43,27 +50,34 @@ void SweepBisection::begin_in_line(std::size_t first) {
   const std::size_t count = plan_.axes()[refinement.axis].values.size();
   const std::size_t before = bisections_.size();
   Bisection widest;
-  Bisection::End last;
+  std::vector<Bisection> at_failed_ends;
+  std::optional<Bisection::End> last;
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t point = first + k * plan_.stride(refinement.axis);
     const Bisection::End end = {point, plan_.number(refinement.axis, point), observed_at(point)};
-    if (k > 0) {
+    const bool is_end = k == 0 || k + 1 == count;
+    if (std::isnan(end.number) && !is_end) continue;
+    if (last) {
       Bisection bisection;
       bisection.first = first;
-      bisection.ends = {last, end};
-      bisection.left = last.point;
-      bisection.difference = difference_of(last, end);
-      bisection.rounds = refinement.rounds_between(last.at, end.at);
+      bisection.ends = {*last, end};
+      bisection.left = last->point;
+      bisection.difference = difference_of(*last, end);
+      // Points between two that are no neighbours have no more numbers than between any others.
+      bisection.rounds = std::min(refinement.rounds_between(last->at, end.at), refinement.rounds);
       const bool is_known = !std::isnan(bisection.difference);
       if (!refinement.level && bisection.difference > widest.difference) widest = bisection;
-      if (refinement.level && is_known &&
-          (last.number < *refinement.level) != (end.number < *refinement.level)) {
+      if (refinement.level && is_known && crosses(refinement, *last, end)) {
         bisections_.push_back(bisection);
       }
+      const bool is_one_known = !std::isnan(last->number) || !std::isnan(end.number);
+      if (refinement.level && !is_known && is_one_known) at_failed_ends.push_back(bisection);
     }
     last = end;
   }
   if (widest.difference > 0.0) bisections_.push_back(widest);
+  if (bisections_.size() > before) return;
+  bisections_.insert(bisections_.end(), at_failed_ends.begin(), at_failed_ends.end());
   if (bisections_.size() > before) return;
   Bisection nothing;
   nothing.status = BisectionStatus::none;
@@ -87,16 +101,18 @@ void SweepBisection::go_on(Bisection& bisection) {
       bisection.status = BisectionStatus::failed;
       return;
     }
-    const bool is_in_first_half =
-        refinement.level ? (low.number < *refinement.level) != (middle.number < *refinement.level)
-                         : difference_of(low, middle) >= difference_of(middle, high);
+    const bool is_in_first_half = !refinement.level
+                                      ? difference_of(low, middle) >= difference_of(middle, high)
+                                  : std::isnan(low.number) ? !crosses(refinement, middle, high)
+                                                           : crosses(refinement, low, middle);
     (is_in_first_half ? high : low) = middle;
     if (!refinement.level && difference_of(low, high) < kJumpKeeps * bisection.difference) {
       bisection.status = BisectionStatus::smooth;
       return;
     }
   }
-  bisection.status = BisectionStatus::found;
+  const bool is_known = !std::isnan(difference_of(low, high));
+  bisection.status = is_known ? BisectionStatus::found : BisectionStatus::failed;
 }
 
 }  // namespace tomlin

@@ -15,7 +15,7 @@ namespace tomlin {
 enum class BisectionStatus {
   found,   ///< an interval as narrow as it was to be
   smooth,  ///< the difference fell below half of what it was: there is no jump
-  failed,  ///< a point inside has no number; it is the interval that was left then
+  failed,  ///< a point inside, or an end, has no number; it is the interval that was left then
   none,    ///< of a line: no neighbours on either side of the level, or no difference
 };
 
@@ -45,9 +45,12 @@ struct Bisection {
 /// Adds points to a plan whose grid has rows: those of a refinement, round by round. Which they are
 /// depends on rows alone, and each on rows of its own line, whoever has run them and when.
 ///
-/// With a level, each pair of neighbours of which one observable is below and the other one is not;
-/// otherwise in each line the first pair of the largest difference, and that half of it which has
-/// the larger one.
+/// With a level, each pair of neighbours of which one observable is below and the other one is not.
+/// Points without a number are passed over. Where a line has no such pair and its first or last
+/// point has no number, the level may be crossed next to that point: the search goes there, and
+/// stays at the crossing if it meets one.
+/// Without a level in each line the first pair of the largest difference, and that half of it which
+/// has the larger one.
 class SweepBisection {
  public:
   /// Of a plan with a refinement. Both must outlive it.

@@ -113,6 +113,52 @@ struct PullsOn : SinusoidalSubstrate {
   }
 };
 
+/// The same by one part in a hundred: less than the twentieth that a coarse fixed step may cost.
+struct PullsOnALittle : SinusoidalSubstrate {
+  template <class T, int D>
+  static Vec<T, D> force(const Parameters<T, D>& p, const Site<T, D>& site) {
+    Vec<T, D> force = SinusoidalSubstrate::force(p, site);
+    force[0] = force[0] + T(0.01) * p.slope;
+    return force;
+  }
+};
+
+/// An adaptive scheme says how exact it is, and its numerical work is held against that.
+TEST(EnergyBalance, OfAnAdaptiveSchemeIsHeldAgainstItsTolerance) {
+  const SpoiltRegistry spoilt("sinusoidal_substrate", planted<PullsOnALittle>);
+  const SpoiltRegistry sound("sinusoidal_substrate", planted<SinusoidalSubstrate>);
+  for (const char* type : {"dopri5", "dop853"}) {
+    for (const double tolerance : {1e-7, 1e-9, 1e-12}) {
+      const TipScene tip{.stiffness = 0.7,
+                         .damping = 0.3,
+                         .amplitude = 0.3,
+                         .duration = 80.0,
+                         .integrator = adaptive(tolerance, type)};
+      SCOPED_TRACE(tip.integrator);
+      const std::string text = with_ledger(tip.text());
+      EXPECT_TRUE(warned(run(parse_scene(text, "test.toml", spoilt.registry()), {})));
+      EXPECT_FALSE(warned(run(parse_scene(text, "test.toml", sound.registry()), {})));
+      EXPECT_FALSE(warned(run(parse_scene(tip.text(), "test.toml", sound.registry()), {})));
+    }
+  }
+}
+
+/// A steady torque, or force, by a formula puts in what a drag takes out: net heat is rounding.
+TEST(EnergyBalance, IsHeldAgainstFlowsAndNotTheirDifference) {
+  for (const char* integrator :
+       {"{ type = \"rk4\", dt = 0.05 }",
+        "{ type = \"dopri5\", absolute_tolerance = 1e-9, relative_tolerance = 1e-9 }"}) {
+    const std::string text =
+        "[[body]]\nname = \"tip\"\ntype = \"point\"\nparticle_mass = 1.0\nposition = [0.0]\n"
+        "velocity = [2.0]\n[[force]]\ntype = \"expression\"\nforce = [\"0.6\"]\n"
+        "[[force]]\ntype = \"viscous_damping\"\ncoefficient = 0.3\n"
+        "[run]\nduration = 50.0\nintegrator = " +
+        std::string(integrator) + "\n";
+    EXPECT_FALSE(warned(run_text(text)));
+    EXPECT_FALSE(warned(run_text(with_ledger(text))));
+  }
+}
+
 TEST(EnergyBalance, FindsAForceThatIsNotTheSlopeOfItsEnergy) {
   const TipScene tip{.stiffness = 0.7, .damping = 0.3, .amplitude = 0.3, .duration = 80.0};
   const SpoiltRegistry spoilt("sinusoidal_substrate", planted<PullsOn>);
