@@ -52,28 +52,36 @@ void SweepBisection::begin_in_line(std::size_t first) {
   Bisection widest;
   std::vector<Bisection> at_failed_ends;
   std::optional<Bisection::End> last;
+  bool are_neighbours = true;
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t point = first + k * plan_.stride(refinement.axis);
     const Bisection::End end = {point, plan_.number(refinement.axis, point), observed_at(point)};
     const bool is_end = k == 0 || k + 1 == count;
-    if (std::isnan(end.number) && !is_end) continue;
+    if (std::isnan(end.number) && !is_end) {
+      are_neighbours = false;
+      continue;
+    }
     if (last) {
       Bisection bisection;
       bisection.first = first;
       bisection.ends = {*last, end};
       bisection.left = last->point;
       bisection.difference = difference_of(*last, end);
-      // Points between two that are no neighbours have no more numbers than between any others.
-      bisection.rounds = std::min(refinement.rounds_between(last->at, end.at), refinement.rounds);
+      bisection.rounds = refinement.rounds_between(last->at, end.at);
+      if (!are_neighbours) bisection.status = BisectionStatus::failed;
       const bool is_known = !std::isnan(bisection.difference);
-      if (!refinement.level && bisection.difference > widest.difference) widest = bisection;
+      if (!refinement.level && are_neighbours && bisection.difference > widest.difference) {
+        widest = bisection;
+      }
       if (refinement.level && is_known && crosses(refinement, *last, end)) {
         bisections_.push_back(bisection);
       }
       const bool is_one_known = !std::isnan(last->number) || !std::isnan(end.number);
-      if (refinement.level && !is_known && is_one_known) at_failed_ends.push_back(bisection);
+      if (refinement.level && !is_known && is_one_known && are_neighbours)
+        at_failed_ends.push_back(bisection);
     }
     last = end;
+    are_neighbours = true;
   }
   if (widest.difference > 0.0) bisections_.push_back(widest);
   if (bisections_.size() > before) return;

@@ -46,11 +46,10 @@ struct Bisection {
 /// depends on rows alone, and each on rows of its own line, whoever has run them and when.
 ///
 /// With a level, each pair of neighbours of which one observable is below and the other one is not.
-/// Points without a number are passed over. Where a line has no such pair and its first or last
-/// point has no number, the level may be crossed next to that point: the search goes there, and
-/// stays at the crossing if it meets one.
-/// Without a level in each line the first pair of the largest difference, and that half of it which
-/// has the larger one.
+/// Between two with points that have no number it has failed. Where a line has no such pair and its
+/// first or last point has no number, the level may be crossed next to that point: the search goes
+/// there, and stays at the crossing if it meets one. Without a level in each line the first pair of
+/// the largest difference, and that half of it which has the larger one.
 class SweepBisection {
  public:
   /// Of a plan with a refinement. Both must outlive it.

@@ -238,7 +238,7 @@ TEST(RefinedSweep, PointsWithoutANumber) {
   // Refused between 2 and 4 but at the ends, that is sqrt of less than 0.
   const std::string hole = "p + 0 * sqrt((p - 2.1) * (p - 3.9))";
   EXPECT_EQ(found_of(hole, {{{"p", "0:8:5"}}, kPlaceAt3}), Found{"failed 2 .. 4: 2 4"});
-  // A point between others is passed over.
+  // Numbers on both sides of a point without one.
   EXPECT_EQ(found_of(hole, {{{"p", "1:5:3"}}, kPlaceAt3}), Found{"failed 1 .. 5: 1 5"});
   EXPECT_EQ(found_of(hole + " + 10 * floor(p / 4)", {{{"p", "0:8:5"}}, kPlaceOfIt}),
             Found{"failed 2 .. 4: 2 14"});
@@ -249,12 +249,12 @@ TEST(RefinedSweep, PointsWithoutANumber) {
 TEST(RefinedSweep, GoesOnNextToAFailedEnd) {
   const std::string above = "p + 0 * sqrt(p - 1.5)";
   EXPECT_EQ(found_of(above, {{{"p", "1:9:3"}}, kPlaceAt3, "", "0.5"}),
-            Found{"found 3 .. 3.5: 3 3.5"});
+            Found{"found 2.5 .. 3: 2.5 3"});
   const std::string below = "p + 0 * sqrt(8.5 - p)";
   EXPECT_EQ(found_of(below, {{{"p", "1:9:3"}}, std::string(kPlaceOfIt) + "=7", "", "0.5"}),
             Found{"found 6.5 .. 7: 6.5 7"});
   // Whatever is beyond the last point that has a number is not known.
-  const std::string at_one = "p + 0 / min(1, p - 1)";
+  const std::string at_one = "p + 0 * sqrt(p - 1.2)";
   EXPECT_EQ(found_of(at_one, {{{"p", "1:9:3"}}, std::string(kPlaceOfIt) + "=1", "", "0.5"}),
             Found{"failed 1 .. 1.5: nan 1.5"});
   // Known neighbours on either side are what is bisected.
