@@ -25,6 +25,17 @@ SceneForce as_force(SceneForce force) {
   return force;
 }
 
+/// Without the motion of bodies that the force does not act on: it is no part of the force's state.
+Scene with_others_at_rest(Scene scene, std::size_t force) {
+  const std::vector<std::size_t>& own = scene.forces[force].bodies;
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    if (!scene.bodies[b].motion || std::count(own.begin(), own.end(), b) > 0) continue;
+    scene.bodies[b].motion = Motion{};
+    scene.bodies[b].motion->velocity.resize(static_cast<std::size_t>(scene.dimension));
+  }
+  return scene;
+}
+
 }  // namespace
 
 IntegratorRecord without_demands(IntegratorRecord scheme) {
@@ -49,7 +60,8 @@ std::shared_ptr<const Scene> with_forces(const Scene& scene, std::vector<SceneFo
 
 SingleForce::SingleForce(const Scene& scene, std::size_t force)
     : scheme_(without_demands(*scene.run.integrator.record)),
-      model_(with_forces(scene, {as_force(scene.forces[force])}, scheme_)) {
+      model_(with_forces(with_others_at_rest(scene, force), {as_force(scene.forces[force])},
+                         scheme_)) {
   StateLayout layout;
   model_.declare(layout);
   state_ = RunState(layout, 1);

@@ -35,6 +35,8 @@ def text_of(value):
         return str(value).lower()
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(text_of(one) for one in value) + "]"
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{key} = {text_of(one)}" for key, one in value.items()) + " }"
     return repr(value)
 
 

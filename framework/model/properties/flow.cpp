@@ -40,7 +40,11 @@ std::optional<PropertyResult> look_at_operator(ForceUnderTest& e, const char* pr
       for (std::size_t i = 0; i < view.dofs; ++i) {
         all.push_back(twin->force_at(i) * inverse_mass[i]);
       }
-      for (std::size_t k = 0; k < view.own_count; ++k) all.push_back(twin->rate(k));
+      // Its own variables follow those of prescribed motions, which no operator advances.
+      const std::size_t steered = view.own_count - twin->bound().own_count();
+      for (std::size_t k = 0; k < view.own_count; ++k) {
+        all.push_back(k < steered ? 0.0 : twin->rate(k));
+      }
       return all;
     };
     FlowCheck check(

@@ -86,13 +86,33 @@ ForceUnderTest::ForceUnderTest(const Scene& scene, std::size_t force, double len
   if (!worthwhile()) return;
   size_ = static_cast<double>(count() + pairs_of(scene, scene.forces[force]));
   latest_ = latest_time();
-  const auto& bodies = alone_.force().bodies;
-  if (std::any_of(bodies.begin(), bodies.end(),
-                  [&](std::size_t b) { return alone_.model().bodies()[b].bound.slot.rigid; })) {
+  list_hidden();
+  if (!hidden_.empty()) {
     by_terms_ = twin();
     passes_ = by_terms_->bound().passes();
   }
   make_states();
+}
+
+void ForceUnderTest::list_hidden() {
+  const SystemView<double>& view = alone_.model().system().view;
+  for (const std::size_t b : alone_.force().bodies) {
+    const Model::Body& body = alone_.model().bodies()[b];
+    const BodySlot<double>& slot = body.bound.slot;
+    for (std::size_t d = 0; d < static_cast<std::size_t>(alone_.model().dimension()); ++d) {
+      const bool centre_held = slot.rigid && view.inverse_mass[slot.centre + d] == 0.0;
+      if (centre_held) hidden_.push_back({b, false, {slot.centre + d}});
+      Hidden hidden{b, slot.mapped, {}};
+      for (std::size_t i = 0; i < slot.count; ++i) {
+        const std::size_t at = slot.offset + d * slot.stride + i;
+        if (!slot.mapped && view.inverse_mass[at] > 0.0) continue;
+        hidden.at.push_back(at);
+        if (slot.rigid && !centre_held) continue;  // its centre is a variable
+        hidden_reach_ = std::max(hidden_reach_, std::abs(body.bound.start[i][d]));
+      }
+      if (!hidden.at.empty()) hidden_.push_back(std::move(hidden));
+    }
+  }
 }
 
 /// Drivers are looked at while they are about a length away from their start.
@@ -299,7 +319,7 @@ Direction ForceUnderTest::along(std::size_t i) const {
 }
 
 double ForceUnderTest::reach(const State& state) const {
-  double reach = length_;
+  double reach = std::max(length_, hidden_reach_);
   for (std::size_t i = 0; i < count(); ++i) {
     if (variable(i).axis >= 0) {
       reach = std::max(reach, std::abs(state.x[i]));

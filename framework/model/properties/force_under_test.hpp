@@ -82,6 +82,8 @@ class ForceUnderTest {
   BoundForce<double>& bound() { return *alone_.force().bound; }
   const SceneForce& described() { return alone_.model().scene().forces.front(); }
   bool on_prescribed() const;
+  /// Some coordinates of its bodies are no variables: see Terms.
+  bool has_hidden() const { return !hidden_.empty(); }
   double length() const { return length_; }
   std::size_t count() const { return alone_.variables().size(); }
   const Variable& variable(std::size_t i) const { return alone_.variables()[i]; }
@@ -134,11 +136,14 @@ class ForceUnderTest {
   double change_of(const State& state, const std::function<double(const State&)>& number);
   std::vector<double> changes_of(const State& state,
                                  const std::function<std::vector<double>(const State&)>& numbers);
-  /// Of what the particles of rigid bodies contribute, without regard to signs: places and forces
-  /// are rounded one by one, also where their sum vanishes. As a force at a body's edge.
+  /// Of what acts on places that no variable is: those of particles of rigid and prescribed bodies,
+  /// which are rounded one by one, without regard to signs, also where their sum vanishes, and held
+  /// coordinates. As a force at a body's edge.
   struct Terms {
     double size = 0.0;
     double change = 0.0;  ///< per relative change of each place
+    double speed = 0.0;   ///< the fastest of those of prescribed bodies
+    double heat = 0.0;    ///< change of the heat, per relative change of each place
   };
   Terms terms(const State& state);
   /// How large the numbers are that places are made of.
@@ -178,7 +183,14 @@ class ForceUnderTest {
   Change change_by(const State& state, double shake);
   double exact_change(const State& state, double shake);
   double sensitivity_at(const State& state);
-  double gathered(const std::vector<double>& particle_forces) const;
+  /// Coordinates of one axis of a body of the force that are no variables.
+  struct Hidden {
+    std::size_t body = 0;
+    bool mapped = false;
+    std::vector<std::size_t> at;  ///< among the mapped places, or among the coordinates
+  };
+  void list_hidden();
+  double gathered(const std::vector<double>& hidden_forces) const;
   void make_states();
   State displaced(double size, Random& random) const;
   std::optional<State> touching(double distance, Random& random) const;
@@ -194,7 +206,9 @@ class ForceUnderTest {
   std::vector<State> near_;
   std::vector<State> extreme_;
   std::unique_ptr<ForceTwin<Quad>> exact_;
-  std::unique_ptr<ForceTwin<double>> by_terms_;  ///< where there is a rigid body
+  std::vector<Hidden> hidden_;
+  double hidden_reach_ = 0.0;                    ///< of places that do not vary, at the start
+  std::unique_ptr<ForceTwin<double>> by_terms_;  ///< where some coordinates are hidden
   std::vector<Pass<double>> passes_;             ///< of it
   bool sought_exact_ = false;
   std::map<const State*, double> sensitivities_;  ///< at near_ and extreme_

@@ -103,7 +103,9 @@ std::optional<SlopeOfForce> slope_along(ForceUnderTest& e, const State& state,
   // More than a force of this size can have within a difference: there are waves in it.
   if (curvature.size > kVisible * most / longest) return {};
   if (!(slope.unsettled <= kSettled * size + rounding)) return {};
-  return SlopeOfForce{slope.best, size, kRounding * size + rounding + kTrust * slope.unsettled};
+  // At a kink, as of one pair of many at its cutoff, the second derivative is that of either side.
+  return SlopeOfForce{slope.best, size,
+                      kRounding * size + rounding + kTrust * slope.unsettled + slope.kink};
 }
 
 /// Slopes of the force by differences against second derivatives. False where none settle, as at a

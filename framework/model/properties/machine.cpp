@@ -33,6 +33,8 @@ struct Outcome {
   std::vector<double> others;
 };
 constexpr std::size_t kEnergy = 0;  ///< among the others
+constexpr std::size_t kHeat = 1;
+constexpr std::size_t kFirstRate = 2;
 
 template <class Real>
 Outcome outcome_at(ForceUnderTest& e, const State& state, ForceTwin<Real>& twin) {
@@ -84,6 +86,18 @@ void compare_others(ForceUnderTest& e, ForceTwin<double>& twin, const Outcome& f
   std::vector<double> changes =
       e.changes_of(state, [&](const State& at) { return outcome_at(e, at, twin).others; });
   changes[kEnergy] += hidden_change(e, state, sensitivity, allowed);
+  const ForceUnderTest::Terms terms = e.terms(state);
+  changes[kHeat] += terms.heat + (terms.size + terms.change) * terms.speed;
+  if (const Drive* drive = e.bound().drive(); drive != nullptr && !e.on_prescribed()) {
+    // What a driver reports sums up what acts on held coordinates, too.
+    double fastest = 0.0;
+    for (const double v : drive->velocity) fastest = std::max(fastest, std::abs(v));
+    const std::size_t first = kFirstRate + static_cast<std::size_t>(e.alone().force().first_rate);
+    const std::size_t axes = drive->velocity.size();
+    for (std::size_t d = 0; d <= axes; ++d) {
+      changes[first + d] += (terms.size + terms.change) * (d < axes ? 1.0 : fastest);
+    }
+  }
   for (std::size_t k = 0; k < due.others.size(); ++k) {
     if (!std::isfinite(changes[k]) || !std::isfinite(found.others[k])) continue;
     const double size = std::abs(due.others[k]);
@@ -184,7 +198,7 @@ std::optional<PropertyResult> number_types(ForceUnderTest& e) {
 }
 
 /// Seen at as many states as it is in each of the types; nothing of a force that is the same
-/// everywhere, and may be exact, or on rigid bodies, whose sums round in any case.
+/// everywhere, and may be exact, or on rigid and prescribed bodies, whose sums round in any case.
 std::optional<PropertyResult> digits(ForceUnderTest& e) {
   if (e.exact() == nullptr) return std::nullopt;
   e.begin("digits", "each number type rounds as its precision says");

@@ -101,62 +101,83 @@ ForceUnderTest::Terms ForceUnderTest::terms(const State& state) {
   if (by_terms_ == nullptr) return {};
   ForceTwin<double>& twin = *by_terms_;
   const SystemView<double>& view = twin.view();
-  std::vector<std::size_t> places;
-  for (const std::size_t b : alone_.force().bodies) {
-    const BodySlot<double>& slot = alone_.model().bodies()[b].bound.slot;
-    for (int d = 0; slot.rigid && d < alone_.model().dimension(); ++d) {
-      for (std::size_t i = 0; i < slot.count; ++i) {
-        places.push_back(slot.offset + d * slot.stride + i);
-      }
-    }
-  }
   put(state, twin);
   twin.evaluate(state.time);
-  Random random(options_.seed ^ kShaking);
+  const auto place_of = [&](const Hidden& hidden, std::size_t at) -> double& {
+    return hidden.mapped ? view.mapped_position[at] : twin.position(at);
+  };
+  const auto force_of = [&](const Hidden& hidden, std::size_t at) -> double& {
+    return (hidden.mapped ? view.mapped_force : view.force)[at];
+  };
+  const auto all = [&](auto&& use) {
+    for (const Hidden& hidden : hidden_) {
+      for (const std::size_t at : hidden.at) use(hidden, at);
+    }
+  };
+  // By the force's own kernels: what they leave to sum up is not among it.
+  const auto acting = [&] {
+    all([&](const Hidden& hidden, std::size_t at) { force_of(hidden, at) = 0.0; });
+    for (const Pass<double>& pass : passes_) {
+      (pass.add != nullptr ? pass.add : pass.set)(pass.arguments, twin.stage());
+    }
+    std::vector<double> forces;
+    all([&](const Hidden& hidden, std::size_t at) { forces.push_back(force_of(hidden, at)); });
+    return forces;
+  };
+  const std::vector<double> before = acting();
+  const double heat_before = twin.heat().value_or(0.0);
+  Terms terms{gathered(before), 0.0, 0.0, 0.0};
+  std::vector<double> places;  // no evaluation computes those of what does not move again
+  all([&](const Hidden& hidden, std::size_t at) {
+    places.push_back(place_of(hidden, at));
+    if (alone_.model().bodies()[hidden.body].prescribed())
+      terms.speed = std::max(terms.speed, std::abs(view.mapped_velocity[at]));
+  });
   const double shake = kShake * reach(state);
-  std::vector<double> before;
-  for (const std::size_t at : places) {
-    before.push_back(view.mapped_force[at]);
-    view.mapped_position[at] += shake * random.symmetric();
-    view.mapped_force[at] = 0.0;
+  for (int again = 0; again < kShakes; ++again) {
+    Random random(options_.seed ^ (kShaking + static_cast<std::uint64_t>(again)));
+    all([&, k = std::size_t{0}](const Hidden& hidden, std::size_t at) mutable {
+      place_of(hidden, at) = places[k++] + shake * random.symmetric();
+    });
+    std::vector<double> change = acting();
+    for (std::size_t k = 0; k < change.size(); ++k) change[k] -= before[k];
+    terms.change = std::max(terms.change, gathered(change) / kShake);
+    const double heat = twin.heat().value_or(0.0);
+    terms.heat = std::max(terms.heat, std::abs(heat - heat_before) / kShake);
   }
-  for (const Pass<double>& pass : passes_) {
-    (pass.add != nullptr ? pass.add : pass.set)(pass.arguments, twin.stage());
-  }
-  std::vector<double> change;
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    change.push_back(view.mapped_force[places[k]] - before[k]);
-  }
-  return {gathered(before), gathered(change) / kShake};
+  all([&, k = std::size_t{0}](const Hidden& hidden, std::size_t at) mutable {
+    place_of(hidden, at) = places[k++];
+  });
+  return terms;
 }
 
-/// The largest sum of sizes among the coordinates of rigid bodies; forces come by body, axis and
-/// particle.
-double ForceUnderTest::gathered(const std::vector<double>& particle_forces) const {
+/// The largest of the axes and rotations of bodies, to which particles add up, but for those of
+/// fixed bodies, of which nothing is a sum; forces come in the order of the hidden ones.
+double ForceUnderTest::gathered(const std::vector<double>& hidden_forces) const {
   double most = 0.0;
   std::size_t next = 0;
-  for (const std::size_t b : alone_.force().bodies) {
-    const Model::Body& body = alone_.model().bodies()[b];
-    if (!body.bound.slot.rigid) continue;
+  std::map<std::size_t, double> torques;
+  for (const Hidden& hidden : hidden_) {
+    const Model::Body& body = alone_.model().bodies()[hidden.body];
     std::vector<double> levers;
     for (const std::array<double, 3>& arm : body.arms) {
-      double square = 0.0;
-      for (const double part : arm) square += part * part;
-      levers.push_back(std::sqrt(square));
+      levers.push_back(std::hypot(arm[0], arm[1], arm[2]));
     }
-    const double farthest = *std::max_element(levers.begin(), levers.end());
-    double torque = 0.0;
-    for (int d = 0; d < alone_.model().dimension(); ++d) {
-      double sum = 0.0;
-      for (const double lever : levers) {
-        const double size = std::abs(particle_forces[next++]);
-        sum += size;
-        if (farthest > 0.0) torque += size * (lever / farthest);
-      }
-      most = std::max(most, sum);
+    const double farthest = levers.empty() ? 0.0 : *std::max_element(levers.begin(), levers.end());
+    double sum = 0.0;
+    double largest = 0.0;
+    for (std::size_t i = 0; i < hidden.at.size(); ++i) {
+      const double size = std::abs(hidden_forces[next++]);
+      sum += size;
+      largest = std::max(largest, size);
+      if (hidden.mapped && body.bound.slot.rigid && farthest > 0.0)
+        torques[hidden.body] += size * (levers[i] / farthest);
     }
-    most = std::max(most, torque);
+    const BodySlot<double>& slot = body.bound.slot;
+    const bool is_fixed = slot.mapped && !slot.rigid && !body.prescribed();
+    most = std::max(most, is_fixed ? largest : sum);
   }
+  for (const auto& [body, torque] : torques) most = std::max(most, torque);
   return most;
 }
 

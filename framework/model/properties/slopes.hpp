@@ -29,6 +29,7 @@ struct Slope {
   double best = 0.0;
   double unsettled = 0.0;
   double shortest = 0.0;  ///< difference
+  double kink = 0.0;      ///< by how much the slopes to both sides differ
 };
 
 /// Slope at 0 by central differences, extrapolated to h = 0: row by row, each column an order of
@@ -36,20 +37,33 @@ struct Slope {
 template <class Function>
 Slope slope_by(Function&& f, double longest) {
   std::array<std::array<double, kDifferences>, kDifferences> slope{};
+  std::array<double, kDifferences> kink{};
+  const double here = f(0.0);
   double h = longest;
   for (int row = 0; row < kDifferences; ++row, h *= 0.5) {
-    slope[row][0] = (f(h) - f(-h)) / (2.0 * h);
+    const double after = f(h);
+    const double before = f(-h);
+    slope[row][0] = (after - before) / (2.0 * h);
+    kink[static_cast<std::size_t>(row)] = (after - here + (before - here)) / h;
     double gain = 4.0;
     for (int column = 1; column <= row; ++column, gain *= 4.0) {
       slope[row][column] =
           (gain * slope[row][column - 1] - slope[row - 1][column - 1]) / (gain - 1.0);
     }
   }
+  // The slope to the right less that to the left: of a smooth function h, h^3, h^5 times
+  // derivatives.
+  double gain = 2.0;
+  for (std::size_t last = kDifferences - 1; last > 0; --last, gain *= 4.0) {
+    for (std::size_t row = 0; row < last; ++row) {
+      kink[row] = (gain * kink[row + 1] - kink[row]) / (gain - 1.0);
+    }
+  }
   const double best = slope[kDifferences - 1][kDifferences - 1];
   // Both are worse than the best; one may come close to it by chance.
   const double unsettled = std::max(std::abs(best - slope[kDifferences - 1][kDifferences - 2]),
                                     std::abs(best - slope[kDifferences - 2][kDifferences - 2]));
-  return {best, unsettled, 2.0 * h};
+  return {best, unsettled, 2.0 * h, std::abs(kink[0])};
 }
 
 /// By two sequences of differences. Beyond a knot of a spline, where a high derivative jumps, one
@@ -59,6 +73,7 @@ Slope slope_of(Function&& f, double longest) {
   Slope slope = slope_by(f, longest);
   const Slope other = slope_by(f, kOtherLongest * longest);
   slope.unsettled = std::max(slope.unsettled, std::abs(slope.best - other.best));
+  slope.kink = std::max(slope.kink, other.kink);
   return slope;
 }
 
