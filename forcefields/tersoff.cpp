@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 #include <utility>
 
 #include "framework/core/elements/bond_order.hpp"
@@ -110,6 +111,14 @@ const TersoffEntry* entry_for(const std::vector<TersoffEntry>& entries,
   return nullptr;
 }
 
+std::string names_of_species(const std::vector<TersoffEntry>& entries) {
+  std::set<std::string> all;
+  for (const TersoffEntry& entry : entries) all.insert(entry.species[0]);
+  std::string text;
+  for (const std::string& one : all) text += (text.empty() ? "" : ", ") + one;
+  return text;
+}
+
 std::vector<Complaint> complaints(const TersoffDescription& d, const SceneOutline& scene) {
   const std::vector<TersoffEntry> known = entries_of(d);
   if (known.empty()) {
@@ -136,9 +145,11 @@ std::vector<Complaint> complaints(const TersoffDescription& d, const SceneOutlin
       for (const std::string& k : species) {
         const TersoffEntry* entry = entry_for(known, {i, j, k});
         if (entry == nullptr) {
-          return {complaint(FaultCode::component_unsuitable, key_of(d),
-                            fmt::format("there are no numbers for {} {} {}", i, j, k),
-                            "an entry for each triple of the body's species")};
+          return {
+              complaint(FaultCode::component_unsuitable, key_of(d),
+                        fmt::format("there are no numbers for {} {} {}, species of the body \"{}\"",
+                                    i, j, k, scene.bodies.front().name),
+                        "in the body species of " + names_of_species(known))};
         }
         include(*entry);
       }

@@ -146,8 +146,8 @@ void check_option(std::string_view word) {
 class CommandLine {
  public:
   CommandLine() {
-    app_.set_help_flag("-h,--help", "show this and leave");
-    app_.set_version_flag("--version", kVersion, "show the version and leave");
+    app_.set_help_flag("-h,--help", "print this help and exit");
+    app_.set_version_flag("--version", kVersion, "print the version and exit");
     app_.get_formatter()->column_width(28);
     app_.require_subcommand(1);
     app_.footer(kProgramFooter);

@@ -90,6 +90,10 @@ void check(MergeArguments& arguments) {
 }
 
 SweepPlan plan_in(const fs::path& folder, Registry& registry) {
+  if (fs::exists(folder) && !fs::is_directory(folder)) {
+    refuse_input(FaultCode::file_invalid, folder.string(), "", "is not the folder of a sweep",
+                 "the folders that tomlin sweep --shard has left");
+  }
   const std::string file = (folder / kSceneFile).string();
   SceneDocument document(file);
   registry = registry_with_plugins({}, {&document, 1});

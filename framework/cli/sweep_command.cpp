@@ -215,6 +215,14 @@ void read_axes(const std::vector<std::string>& options, SweepSettings& settings,
                           equals == std::string::npos ? "no values" : "no name", "NAME=VALUES");
       continue;
     }
+    if (option.find(';') != std::string::npos &&
+        option.find('=', equals + 1) != std::string::npos) {
+      settings.unread.push_back(name);
+      faults.emplace_back(FaultCode::command_invalid_value, place,
+                          shortened(option, kLongestShownValue), "", "several axes in one option",
+                          "another --over for each axis");
+      continue;
+    }
     add_axis(settings, name, option.substr(equals + 1), place, faults);
   }
 }
@@ -355,8 +363,10 @@ struct RequestedSweep {
     if (arguments.shard) shard = shard_of(*arguments.shard, plan, faults);
     for (const SweepAxis& axis : plan.axes()) {
       if (axis.name != "run.stream" || plan.is_random_somewhere()) continue;
-      faults.emplace_back(FaultCode::command_conflict, axis.place, axis.name, axis.shown,
-                          "nothing of the scene is random: all repeats would be the same",
+      const bool repeats = arguments.repeats && axis.place.file == "--repeats";
+      faults.emplace_back(FaultCode::command_conflict, axis.place, repeats ? "" : axis.name,
+                          repeats ? *arguments.repeats : axis.shown,
+                          "the scene has no noise: all repeats would be equal",
                           "a force with noise, such as langevin, or a start_temperature");
     }
     const std::vector<std::size_t>& last = plan.dimensions().back().axes;

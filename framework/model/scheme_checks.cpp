@@ -108,7 +108,7 @@ class SchemeChecks {
     if (scene_.run.repeats > 1 && !draws_by_stream(scene_)) {
       faults_.emplace_back(FaultCode::component_unsuitable, place_of("repeats"), "run.repeats",
                            fmt::format("{}", scene_.run.repeats),
-                           "nothing of the scene is random: all repeats would be the same",
+                           "the scene has no noise: all repeats would be equal",
                            "1, or a force with noise, such as langevin, or a start_temperature");
     }
     check_until_error();
@@ -138,6 +138,14 @@ class SchemeChecks {
         if (!scene_.run.places.contains(key) ||
             (std::string_view(key) == kUntil && waits_for_error()))
           continue;
+        if (std::string_view(key) == kUntil) {
+          faults_.emplace_back(FaultCode::component_unsuitable, place_of(key), "run.until.steady",
+                               "",
+                               "under the noise of the force \"" + force.name +
+                                   "\" means of periods never become alike",
+                               "{ error = .., of = .. }, which ends when a mean is known so well");
+          continue;
+        }
         faults_.emplace_back(FaultCode::component_unsuitable, place_of(key),
                              std::string("run.") + key, "",
                              "compares runs that differ by little, and the force \"" + force.name +
@@ -206,7 +214,9 @@ class SchemeChecks {
         fmt::format("{}", *output.every),
         fmt::format("no multiple of the step {}: the force \"{}\" is {}, and samples fall on steps",
                     dt, force.name, force.traits.stochastic ? "stochastic" : "a thermostat"),
-        fmt::format("{} or {}", std::max(1.0, std::floor(steps)) * dt,
+        // The shortest decimals, not those of a product that is rounded: 0.3, not
+        // 0.30000000000000004.
+        fmt::format("{:.15g} or {:.15g}", std::max(1.0, std::floor(steps)) * dt,
                     (std::max(1.0, std::floor(steps)) + 1.0) * dt));
   }
 

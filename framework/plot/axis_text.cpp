@@ -113,10 +113,13 @@ void check_unit_names(const std::vector<StoredRun>& runs, std::string_view dimen
   for (const StoredRun& run : runs) {
     const std::string unit = unit_name(run, dimension);
     if (unit == first) continue;
-    const auto shown = [](const std::string& name) { return name.empty() ? "no name" : name; };
-    refuse_input(FaultCode::command_conflict, file_of(run, kSummaryFile), "scene.axes",
-                 fmt::format("{} for the unit of {}, on one axis with {} of {}", shown(unit),
-                             dimension, shown(first), runs.front().folder),
+    const StoredRun& without = first.empty() ? runs.front() : run;
+    const StoredRun& with = first.empty() ? run : runs.front();
+    const std::string& name = first.empty() ? unit : first;
+    const bool both = !first.empty() && !unit.empty();
+    refuse_input(FaultCode::command_conflict, file_of(without, kSummaryFile), "scene.axes",
+                 fmt::format("{} for the unit of {}, on one axis with {} of {}",
+                             both ? unit : "no name", dimension, name, with.folder),
                  "folders whose scenes name the units of the axis alike");
   }
 }

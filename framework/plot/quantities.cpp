@@ -123,17 +123,18 @@ std::string chosen_owner(const SampleTable& table, Owner owner, std::string_view
                          const Owners& owners) {
   const bool driver = owner == Owner::driver;
   const std::string& wanted = driver ? owners.driver : owners.body;
+  const char* kind = driver ? "driver" : "body";
   const std::vector<std::string> candidates = owners_of(table, column);
   if (candidates.empty()) {
     refuse_input(FaultCode::plot_no_data, table.file(), "",
-                 fmt::format("there is no column *.{}", column),
+                 fmt::format("no {} has a column {}", kind, column),
                  listed(table.names()) + "; --x and --y take any of them");
   }
   const char* option = driver ? "--driver" : "--body";
   if (wanted.empty() && candidates.size() == 1) return candidates.front();
   if (wanted.empty()) {
     refuse_input(FaultCode::command_missing_argument, table.file(), "",
-                 fmt::format("there are several columns *.{}", column),
+                 fmt::format("several {} have a column {}", driver ? "drivers" : "bodies", column),
                  fmt::format("{} {}", option, fmt::join(candidates, fmt::format(", {} ", option))));
   }
   if (std::find(candidates.begin(), candidates.end(), wanted) != candidates.end()) return wanted;

@@ -210,9 +210,11 @@ void check_step(Check& check) {
   const double longest = std::min(check.plan.dt, check.plan.duration);
   if (is_stable(longest, check.found.stable_step)) return;
   const bool beyond = longest > check.found.stable_step * (1.0 + kNoStep);
-  const std::string what = fmt::format("dt = {:g} is {} the stability limit of {}, about {:.4g}",
-                                       check.plan.dt, beyond ? "beyond" : "no shorter than",
-                                       check.scheme.name, check.found.stable_step);
+  const bool in_ps = check.scene.units == UnitSystem::metal;
+  const std::string what =
+      fmt::format("dt = {:g} is {} the stability limit of {}, about {:.4g}{}", check.plan.dt,
+                  beyond ? "beyond" : "no shorter than", check.scheme.name, check.found.stable_step,
+                  in_ps ? "; times are in ps, and 1 fs is 1e-3" : "");
   if (check.scene.run.allow_unstable) {
     check.found.warnings.push_back({FaultCode::integrator_beyond_stability, what, kStepKey});
     return;

@@ -46,8 +46,9 @@ bool is_function(std::string_view name) {
 ExpressionError explain_unit(const NumberWithUnit& found) {
   const std::string number(found.number);
   const std::string unit(found.unit);
-  std::string why = std::string(kNumbersHaveNoUnits) + "; write " + number;
-  if (is_identifier(unit)) {
+  const std::string written = written_without_unit(found);
+  std::string why = std::string(kNumbersHaveNoUnits) + "; write " + written;
+  if (is_identifier(unit) && written == number) {
     why += ", or '" + number + " * " + unit + "' where " + unit + " is a parameter";
   }
   return {found.column, std::move(why)};
@@ -151,6 +152,9 @@ ExpressionError ParameterTable::explain_unknown(std::string_view name, std::size
     if (i != user && is_identifier(valid) && !is_reserved_name(valid)) valid_names.push_back(valid);
   }
   const auto nearest = nearest_name(name, valid_names);
+  if (name == "j" || name == "k" || name == "n" || name == "index") {
+    error.why += "; in values of particles the index is 'i'";
+  }
   if (!nearest && is_unit(name)) {
     error.why += ", and no units are known: give it a value in [parameters], or leave it out";
   }

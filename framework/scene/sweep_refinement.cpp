@@ -89,6 +89,11 @@ class RefinementReader {
                "OBSERVABLE, or OBSERVABLE=LEVEL");
       return false;
     }
+    if (text.find_first_of("<>") != std::string::npos) {
+      complain(FaultCode::command_invalid_value, *refine_.what, "a level follows an equals sign",
+               "OBSERVABLE=LEVEL: events.slips=0.5");
+      return false;
+    }
     if (equals == std::string::npos) return true;
     refinement.level = finite_constant(text.substr(equals + 1));
     if (refinement.level) return true;

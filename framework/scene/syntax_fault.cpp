@@ -551,8 +551,10 @@ class Syntax {
                    text + "e" + std::string(rest.substr(1)));
     }
     if (const auto unit = unit_in(given)) {
-      return fault(offset_in_text(behind), key, given, std::string(kNumbersHaveNoUnits),
-                   fmt::format("{}, in the units of the scene", text));
+      const std::string written = written_without_unit(*unit);
+      return fault(
+          offset_in_text(behind), key, given, std::string(kNumbersHaveNoUnits),
+          written == unit->number ? fmt::format("{}, in the units of the scene", text) : written);
     }
     if (std::string_view("*/^+-(").find(behind.front()) != std::string_view::npos) {
       return fault(begin, key, given, "an expression is written in quotes", quoted(given));

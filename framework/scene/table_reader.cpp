@@ -173,6 +173,10 @@ void report_key(const Entry& entry, const std::string& path, const TableLayout& 
       wrong.nearest.clear();
       wrong.why += " here: it is one of " + other;
     }
+    if (wrong.nearest.empty() && entry.key == "gamma" && layout.row("coefficient") != nullptr) {
+      wrong.nearest = "coefficient";
+      wrong.why += " here: coefficient is the particle's mass times the rate gamma";
+    }
     wrong.admissible = listed(keys);
     if (entry.key == "plugins") wrong.admissible = "plugins stands above the first [table]";
   }

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <string_view>
 
 /// Units where a number is expected: numbers have none, and a message says so instead of something
@@ -21,6 +22,10 @@ struct NumberWithUnit {
 
 /// Nothing where the text is something else.
 std::optional<NumberWithUnit> unit_in(std::string_view text);
+
+/// What to write in place of it: of an angle in degrees a formula in radians, of a percentage its
+/// value as a part of 1; of others the number.
+std::string written_without_unit(const NumberWithUnit& given);
 
 /// "nm", "eV", "K": a unit that is written with a letter or a prefix of its own.
 bool is_unit(std::string_view word);

@@ -612,6 +612,21 @@ bool ValueReader::in_range(const Subject& subject, const Node& node, double x) c
   return false;
 }
 
+namespace {
+
+/// A choice by another of its names; empty where there is none.
+std::string other_name(std::string_view word, const std::vector<std::string>& words) {
+  constexpr std::pair<std::string_view, std::string_view> kOtherNames[] = {
+      {"graphite", "honeycomb"}, {"graphene", "honeycomb"}, {"triangular", "hexagonal"}};
+  for (const auto& [name, choice] : kOtherNames) {
+    const auto found = std::find(words.begin(), words.end(), choice);
+    if (name == word && found != words.end()) return *found;
+  }
+  return "";
+}
+
+}  // namespace
+
 bool ValueReader::is_word(const Subject& subject, const Node& node, const std::string& word,
                           const std::vector<std::string>& words) const {
   if (std::find(words.begin(), words.end(), word) != words.end()) return true;
@@ -631,8 +646,9 @@ bool ValueReader::is_word(const Subject& subject, const Node& node, const std::s
   const std::string why = planned   ? not_in_this_version(*planned)
                           : not_yet ? kNotInThisVersion
                                     : "no such choice";
+  const auto meant = not_yet ? std::nullopt : nearest_name(word, words);
   faults_.of_value(node, {code, subject.key, why, admissible_values(subject.row),
-                          not_yet ? "" : nearest_name(word, words).value_or("")});
+                          meant.value_or(not_yet ? "" : other_name(word, words))});
   return false;
 }
 
