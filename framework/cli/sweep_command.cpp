@@ -364,7 +364,7 @@ struct RequestedSweep {
     for (const SweepAxis& axis : plan.axes()) {
       if (axis.name != "run.stream" || plan.is_random_somewhere()) continue;
       const bool repeats = arguments.repeats && axis.place.file == "--repeats";
-      faults.emplace_back(FaultCode::command_conflict, axis.place, repeats ? "" : axis.name,
+      faults.emplace_back(FaultCode::command_conflict, axis.place, repeats ? "repeats" : axis.name,
                           repeats ? *arguments.repeats : axis.shown,
                           "the scene has no noise: all repeats would be equal",
                           "a force with noise, such as langevin, or a start_temperature");

@@ -16,7 +16,7 @@
 namespace tomlin::test {
 namespace {
 
-constexpr int kScenes = 150;
+constexpr int kScenes = 400;
 constexpr std::size_t kFewest = 20;  // of them with the force on what moves
 
 /// The force is one part in a hundred larger than the slope of its energy.
