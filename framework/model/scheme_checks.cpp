@@ -139,8 +139,7 @@ class SchemeChecks {
             (std::string_view(key) == kUntil && waits_for_error()))
           continue;
         if (std::string_view(key) == kUntil) {
-          faults_.emplace_back(FaultCode::component_unsuitable, place_of(key), "run.until.steady",
-                               "",
+          faults_.emplace_back(FaultCode::component_unsuitable, place_of(key), "run.until", "",
                                "under the noise of the force \"" + force.name +
                                    "\" means of periods never become alike",
                                "{ error = .., of = .. }, which ends when a mean is known so well");
