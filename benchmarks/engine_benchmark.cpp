@@ -1,8 +1,11 @@
 // Time per rk4 step of the engine, with everything that a run does along the way: running means,
 // extremes, checks of every step. The scenes are those of the plain loops.
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -23,6 +26,7 @@
 #include "framework/study/sweep/plan.hpp"
 #include "framework/study/sweep/point_run.hpp"
 #include "framework/study/sweep/runner.hpp"
+#include "framework/study/sweep/worker.hpp"
 
 namespace {
 
@@ -295,26 +299,53 @@ void BM_golden_chain_100000(benchmark::State& state) {
 }
 BENCHMARK(BM_golden_chain_100000)->Name("golden_chain_100000/tomlin");
 
-// ---- what it costs to watch the energy balance: whole runs of 1e5 steps with and without
+// ---- what it costs to watch the energy balance: whole runs, from the text of the scene to the
+// result, with it and without by turns. The ratio of the medians is the figure.
 
-void BM_watched(benchmark::State& state, const std::string& scene, bool watches_energy) {
-  const auto whole = parse_scene(scene, "benchmark", registry(), {{"run.duration", "1e5 * 1e-2"}});
+double seconds_of_run(const std::string& scene, const std::string& duration, bool watches_energy) {
   RunOptions options;
   options.watches_energy = watches_energy;
-  for (auto _ : state) benchmark::DoNotOptimize(run_as_bound(whole, options));
+  const auto begin = std::chrono::steady_clock::now();
+  benchmark::DoNotOptimize(run_as_bound(
+      parse_scene(scene, "benchmark", registry(), {{"run.duration", duration}}), options));
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
-BENCHMARK_CAPTURE(BM_watched, , kPt, true)
-    ->Name("pt 1e5 steps/watched")
-    ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(BM_watched, , kPt, false)
-    ->Name("pt 1e5 steps/blind")
-    ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(BM_watched, , ring("rigid", "1e-2"), true)
-    ->Name("rigid_ring_8 1e5 steps/watched")
-    ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(BM_watched, , ring("rigid", "1e-2"), false)
-    ->Name("rigid_ring_8 1e5 steps/blind")
-    ->Unit(benchmark::kMillisecond);
+
+double median_of(std::vector<double> all) {
+  const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
+  std::nth_element(all.begin(), middle, all.end());
+  return *middle;
+}
+
+void BM_watched(benchmark::State& state, const std::string& scene, const std::string& duration) {
+  std::vector<double> watched;
+  std::vector<double> blind;
+  for (auto _ : state) {
+    blind.push_back(seconds_of_run(scene, duration, false));
+    watched.push_back(seconds_of_run(scene, duration, true));
+  }
+  state.counters["watched_over_blind"] = median_of(watched) / median_of(blind);
+}
+
+void register_watched() {
+  struct Watched {
+    std::string model;
+    std::string scene;
+    std::string dt;
+  };
+  for (const Watched& one :
+       {Watched{"pt", kPt, "1e-2"}, Watched{"rigid_ring_8", ring("rigid", "1e-2"), "1e-2"},
+        Watched{"flexible_ring_8", ring("particles", "1e-4"), "1e-4"},
+        Watched{"chain_1000", chain("1000", "1.0"), "1e-2"}}) {
+    for (const std::string steps : {"100", "1000", "1e4"}) {
+      benchmark::RegisterBenchmark((one.model + " " + steps + " steps/watched").c_str(),
+                                   [one, steps](benchmark::State& state) {
+                                     BM_watched(state, one.scene, steps + " * " + one.dt);
+                                   })
+          ->Unit(benchmark::kMicrosecond);
+    }
+  }
+}
 
 // ---- what an accuracy costs: a whole run with the integrator that is picked for 1e-4, the same
 // with its companion, and with the pilot before it
@@ -487,6 +518,42 @@ void BM_sweep_point(benchmark::State& state) {
                          benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 BENCHMARK(BM_sweep_point)->Name("pt sweep/tomlin");
+
+/// Points one after the other, again and again, as many as are asked for.
+class Points : public PointSource {
+ public:
+  Points(std::size_t points, std::size_t wanted) : points_(points), left_(wanted) {}
+  std::optional<std::size_t> take() override {
+    if (left_ == 0) return {};
+    return --left_ % points_;
+  }
+  void keep(std::size_t, const SweepRow& row) override { benchmark::DoNotOptimize(&row); }
+
+ private:
+  std::size_t points_;
+  std::size_t left_;
+};
+
+/// Short runs of a tip in lanes, of which only a number changes. Time of a point.
+void BM_sweep_in_lanes(benchmark::State& state) {
+  constexpr std::size_t kPoints = 1024;
+  SweepSettings sweep;
+  sweep.over.push_back({"force.driving_spring.stiffness",
+                        std::get<SweepValues>(SweepValues::parse("1:3:1000")),
+                        {"--over"},
+                        "1:3:1000"});
+  sweep.observables = {"driving_spring.mean_force.x"};
+  const SweepPlan plan(SceneDocument(kPt, "benchmark.toml"), registry(),
+                       {{"run.duration", "1000 * 1e-2"}}, sweep, "");
+  for (auto _ : state) {
+    Points points(plan.points(), kPoints);
+    SweepWorker(plan, points, {.most_at_once = kPoints}).work();
+  }
+  state.counters["s_per_step"] =
+      benchmark::Counter(static_cast<double>(state.iterations()) * kPoints,
+                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+BENCHMARK(BM_sweep_in_lanes)->Name("pt sweep of 1000 steps/tomlin");
 
 /// The scene in a bath, whose friction is that of the scene.
 std::string with_noise(std::string scene) {
@@ -748,6 +815,7 @@ std::vector<Variant> asked_for_one() {
 }
 
 [[maybe_unused]] const bool registered = [] {
+  register_watched();
   register_variants("pt", kPt, asked_for_one());
   register_variants("rigid_ring_8", ring("rigid", "1e-2"), asked_for_one());
   register_variants(

@@ -36,6 +36,12 @@ void BM_plain_pt_replicas(benchmark::State& state) {
 }
 BENCHMARK(BM_plain_pt_replicas)->Name("pt replicas/plain");
 
+void BM_plain_ring_replicas(benchmark::State& state) {
+  static RingReplicas replicas(16);
+  run(state, replicas, 64, 1e-4, static_cast<std::int64_t>(replicas.stiffness.size()));
+}
+BENCHMARK(BM_plain_ring_replicas)->Name("flexible_ring_8 replicas/plain");
+
 // Time of a number.
 void BM_plain_normals(benchmark::State& state) {
   static NormalReplicas normals(64);

@@ -111,6 +111,141 @@ TipReplicas::TipReplicas(std::size_t count)
   done += steps;
 }
 
+namespace {
+
+constexpr int kRing = RingReplicas::kParticles;
+constexpr double kRingRadius = 1.0;
+
+struct RingState {
+  Pack x[kRing], y[kRing], vx[kRing], vy[kRing];
+};
+
+struct RingAcceleration {
+  Pack x[kRing], y[kRing];
+  Pack driver_x, driver_y;
+};
+
+double rest_length_of(int i, int j) {
+  return 2.0 * kRingRadius * std::sin(std::numbers::pi * (j - i) / kRing);
+}
+
+[[gnu::always_inline]] inline void accelerate(const RingState& s, const Pack& stiffness,
+                                              const double (&rest)[kRing][kRing], double t,
+                                              RingAcceleration& a) {
+  constexpr double kShare = 1.0 / kRing;
+  const Pack share(kShare);
+  const Pack drag(2.0 * std::numbers::sqrt2 * kShare);
+  const Pack corrugation(0.1 * kShare);
+  const Pack wave_number(2.0 * std::numbers::pi);
+  const Pack bond(1e6);
+  const Pack per_mass(static_cast<double>(kRing));
+  Pack centre_x(0.0);
+  Pack centre_y(0.0);
+  for (int i = 0; i < kRing; ++i) {
+    centre_x = fma(share, s.x[i], centre_x);
+    centre_y = fma(share, s.y[i], centre_y);
+  }
+  a.driver_x = stiffness * (Pack(1e-3 * t) - centre_x);
+  a.driver_y = stiffness * (Pack(kRingRadius) - centre_y);
+  for (int i = 0; i < kRing; ++i) {
+    Pack sine;
+    Pack cosine;
+    sincos_turns(s.x[i], sine, cosine);
+    const Pack energy = corrugation * exp(-(s.y[i] * s.y[i]));
+    a.x[i] = fma(energy * wave_number, sine, fma(share, a.driver_x, -(drag * s.vx[i])));
+    a.y[i] = fma(Pack(2.0) * s.y[i] * energy, cosine, fma(share, a.driver_y, -(drag * s.vy[i])));
+  }
+  for (int i = 0; i < kRing; ++i) {
+    for (int j = i + 1; j < kRing; ++j) {
+      const Pack dx = s.x[j] - s.x[i];
+      const Pack dy = s.y[j] - s.y[i];
+      const Pack r = sqrt(fma(dy, dy, dx * dx));
+      const Pack pull = bond * (r - Pack(rest[i][j])) / r;
+      a.x[i] = fma(pull, dx, a.x[i]);
+      a.y[i] = fma(pull, dy, a.y[i]);
+      a.x[j] = fnma(pull, dx, a.x[j]);
+      a.y[j] = fnma(pull, dy, a.y[j]);
+    }
+  }
+  for (int i = 0; i < kRing; ++i) {
+    a.x[i] = a.x[i] * per_mass;
+    a.y[i] = a.y[i] * per_mass;
+  }
+}
+
+}  // namespace
+
+RingReplicas::RingReplicas(std::size_t count)
+    : stiffness(count, 2.0), force_integral_x(count, 0.0), force_integral_y(count, 0.0) {
+  for (std::size_t k = 0; k < count; ++k) stiffness[k] += 0.01 * static_cast<double>(k);
+  for (std::vector<double>* all : {&x, &y, &vx, &vy}) all->assign(kParticles * count, 0.0);
+  for (std::size_t i = 0; i < kParticles; ++i) {
+    const double angle = 2.0 * std::numbers::pi * static_cast<double>(i) / kRing;
+    for (std::size_t k = 0; k < count; ++k) {
+      x[i * count + k] = kRingRadius * std::cos(angle);
+      y[i * count + k] = kRingRadius + kRingRadius * std::sin(angle);
+    }
+  }
+}
+
+[[gnu::noinline]] void RingReplicas::advance(std::int64_t steps, double h) {
+  const std::size_t count = stiffness.size();
+  double rest[kRing][kRing] = {};
+  for (int i = 0; i < kRing; ++i) {
+    for (int j = i + 1; j < kRing; ++j) rest[i][j] = rest_length_of(i, j);
+  }
+  const double until[4] = {0.0, 0.5 * h, 0.5 * h, h};  // when each stage is evaluated
+  const double weight[4] = {h / 6.0, h / 3.0, h / 3.0, h / 6.0};
+  for (std::size_t k = 0; k < count; k += 8) {
+    const Pack spring = Pack::load_unaligned(&stiffness[k]);
+    const auto at = [&](const std::vector<double>& all, int i) {
+      return Pack::load_unaligned(&all[static_cast<std::size_t>(i) * count + k]);
+    };
+    RingState now;
+    for (int i = 0; i < kRing; ++i) {
+      now.x[i] = at(x, i);
+      now.y[i] = at(y, i);
+      now.vx[i] = at(vx, i);
+      now.vy[i] = at(vy, i);
+    }
+    Pack integral_x = Pack::load_unaligned(&force_integral_x[k]);
+    Pack integral_y = Pack::load_unaligned(&force_integral_y[k]);
+    for (std::int64_t n = done; n < done + steps; ++n) {
+      RingState stage = now;
+      RingState next = now;
+      RingAcceleration a;
+      for (int part = 0; part < 4; ++part) {
+        accelerate(stage, spring, rest, static_cast<double>(n) * h + until[part], a);
+        const Pack share(weight[part]);
+        integral_x = fma(share, a.driver_x, integral_x);
+        integral_y = fma(share, a.driver_y, integral_y);
+        const Pack ahead(part < 3 ? until[part + 1] : 0.0);
+        for (int i = 0; i < kRing; ++i) {
+          next.x[i] = fma(share, stage.vx[i], next.x[i]);
+          next.y[i] = fma(share, stage.vy[i], next.y[i]);
+          next.vx[i] = fma(share, a.x[i], next.vx[i]);
+          next.vy[i] = fma(share, a.y[i], next.vy[i]);
+          stage.x[i] = fma(ahead, stage.vx[i], now.x[i]);
+          stage.y[i] = fma(ahead, stage.vy[i], now.y[i]);
+          stage.vx[i] = fma(ahead, a.x[i], now.vx[i]);
+          stage.vy[i] = fma(ahead, a.y[i], now.vy[i]);
+        }
+      }
+      now = next;
+    }
+    for (int i = 0; i < kRing; ++i) {
+      const std::size_t to = static_cast<std::size_t>(i) * count + k;
+      now.x[i].store_unaligned(&x[to]);
+      now.y[i].store_unaligned(&y[to]);
+      now.vx[i].store_unaligned(&vx[to]);
+      now.vy[i].store_unaligned(&vy[to]);
+    }
+    integral_x.store_unaligned(&force_integral_x[k]);
+    integral_y.store_unaligned(&force_integral_y[k]);
+  }
+  done += steps;
+}
+
 [[gnu::noinline]] void NormalReplicas::draw(std::uint64_t four) {
   __extension__ using Product = unsigned __int128;
   for (std::size_t first = 0; first < replicas; first += 8) {

@@ -79,6 +79,21 @@ struct TipReplicas {
   void advance(std::int64_t steps, double h);
 };
 
+// Flexible rings of eight side by side in vectors, each pulled by a spring of its own; [particle *
+// count + ring]. Each pair is computed once, with a square root and a division, and added to both
+// of its particles at once.
+struct RingReplicas {
+  explicit RingReplicas(std::size_t count);
+
+  static constexpr std::size_t kParticles = 8;
+  std::vector<double> stiffness;
+  std::vector<double> x, y, vx, vy;
+  std::vector<double> force_integral_x, force_integral_y;
+  std::int64_t done = 0;
+
+  void advance(std::int64_t steps, double h);
+};
+
 // Normal numbers for replicas side by side, each with a key of its own: Philox 4x64-10 (Salmon,
 // Moraes, Dror, Shaw, SC '11, doi:10.1145/2063384.2063405) and Box-Muller, all four of a block.
 struct NormalReplicas {

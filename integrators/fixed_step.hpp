@@ -104,6 +104,15 @@ class FixedStep : public FixedStepBase<Real> {
     return taken + more;
   }
 
+  /// Rates that no operation writes any more are none.
+  void forces_changed() override {
+    rebased();
+    const SystemView<Real>& view = system_.view;
+    for (Real* rates : arrays_.rates) {
+      if (rates) std::fill(rates + view.used_rates, rates + view.rates, Real(0.0));
+    }
+  }
+
   const Real* first_rates() const override { return arrays_.rates[0]; }
 
   void finish_dense_from(double since) override {

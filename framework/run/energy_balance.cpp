@@ -10,8 +10,8 @@
 
 #include "framework/core/numbers/random.hpp"
 #include "framework/core/system/tolerance.hpp"
+#include "framework/run/brief_ledger.hpp"
 #include "framework/run/context.hpp"
-#include "framework/run/energy_terms.hpp"
 #include "framework/run/engine.hpp"
 #include "framework/run/start_checks.hpp"
 #include "framework/scene/natural_units.hpp"
@@ -23,12 +23,17 @@ namespace {
 /// expensive.
 constexpr std::int64_t kFixedStrata = 128;
 constexpr std::int64_t kAdaptiveStrata = 32;
-/// Steps in a block. Blocks of fixed steps begin where the run looks at its origin; short runs, of
-/// so many strata of so many steps, are looked at from there to the next time, and so as a whole.
-constexpr double kShort = 2.0 * kBlock;
-constexpr std::uint64_t kFullBlock = kBlock;
-constexpr std::uint64_t kFixedSteps = kFullBlock / 2;
+/// Steps in a block of the second engine.
+constexpr std::uint64_t kFixedSteps = kBlock / 2;
 constexpr std::uint64_t kAdaptiveSteps = 4;
+/// A block of the run's own, with the energies at both of its ends, costs a tip as much as some 25
+/// of its steps: so many of them are in a stratum, but for runs that are little longer than short.
+constexpr double kStepsInStratum = 1024.0;
+constexpr std::int64_t kFewestStrata = 16;
+/// Runs of so many steps are looked at as a whole: by a second engine, or with a ledger of their
+/// own, which costs a few per cent of each step.
+constexpr double kShort = 4096.0;
+constexpr double kShortWithLedger = 16384.0;
 /// Numerical work beside the larger one of work and heat, or beside the energy where there is no
 /// heat: a few per cent are what a coarse but sensible step costs.
 constexpr double kNotSmall = 0.05;
@@ -123,15 +128,34 @@ void EnergyBalance::attach(double* reals, std::int64_t* integers) {
   place_ = integers;
 }
 
-void EnergyBalance::start(double from, double to, double dt) {
+void EnergyBalance::start(double from, double to) {
   from_ = from;
   to_ = to;
-  strata_ = dt > 0.0 ? kFixedStrata : kAdaptiveStrata;
-  whole_ = dt > 0.0 && (to - from) / dt < kShort * kFixedStrata;
-  steps_ = whole_ ? kFullBlock : dt > 0.0 ? kFixedSteps : kAdaptiveSteps;
 }
 
-void EnergyBalance::prepare(RunState& state) {
+void EnergyBalance::prepare(RunContext& run) {
+  if (!(run.plan.dt > 0.0)) {
+    strata_ = kAdaptiveStrata;
+    steps_ = kAdaptiveSteps;
+    return make_twin(run.state);
+  }
+  ledger_ = std::make_unique<BriefLedger>(run);
+  const bool own = ledger_->can_be_kept();
+  const double steps = (to_ - from_) / run.plan.dt;
+  whole_ = steps < (own ? kShortWithLedger : kShort);
+  strata_ = own && !whole_ ? static_cast<std::int64_t>(std::clamp(
+                                 steps / kStepsInStratum, static_cast<double>(kFewestStrata),
+                                 static_cast<double>(kFixedStrata)))
+                           : kFixedStrata;
+  steps_ = own && whole_   ? static_cast<std::uint64_t>(std::max(1.0, std::nearbyint(steps)))
+           : own || whole_ ? kBlock
+                           : kFixedSteps;
+  if (own) return;
+  ledger_ = nullptr;
+  make_twin(run.state);
+}
+
+void EnergyBalance::make_twin(RunState& state) {
   try {
     twin_ = std::make_unique<Engine>(with_ledger(*scene_), options_);
     integrals_.assign(twin_->model().system().view.rates, 0.0);
@@ -156,17 +180,18 @@ double EnergyBalance::time_of(std::int64_t stratum) const {
 
 std::uint64_t EnergyBalance::look(RunContext& run) {
   constexpr auto kAnyNumber = std::numeric_limits<std::uint64_t>::max();
-  if (!twin_ || place_[kDropped] != 0) return kAnyNumber;
+  if (!looks()) return kAnyNumber;
   const double now = run.clock.time();
   if (place_[kOpen] != 0) {
     // Where an event has split a step there are more of them.
     const double left = sums_[kBlockEnd] - now;
     if (left > kNoStep * run.plan.dt && !run.outcome.done()) {
+      if (ledger_) ledger_->keep(run, true);  // of a run that resumes within a block, once more
       return static_cast<std::uint64_t>(std::max(1.0, std::nearbyint(left / run.plan.dt)));
     }
     const bool there = std::abs(left) <= kNoStep * run.plan.dt && !run.outcome.failure;
-    const double energy = there ? stored_energy(run) : sums_[kBlockEnergy];
-    close(sums_[kOpenWork] + (energy - sums_[kBlockEnergy]));
+    if (ledger_ && !there && run.outcome.interrupted) return kAnyNumber;  // a resumed run closes it
+    ledger_ ? close_own(run, there) : close_of_twin(run, there);
   }
   if (known_ != place_[kStratum]) next_ = time_of(known_ = place_[kStratum]);
   if (now < (whole_ ? from_ : next_) || now >= to_ || run.outcome.done()) return kAnyNumber;
@@ -182,7 +207,7 @@ std::uint64_t EnergyBalance::look(RunContext& run) {
 double EnergyBalance::idle_until(const RunContext& run) const {
   constexpr double kNever = std::numeric_limits<double>::infinity();
   const double now = run.clock.time();
-  if (!twin_ || place_[kDropped] != 0) return kNever;
+  if (!looks()) return kNever;
   // On a grid a block has to end where the second engine has stopped.
   if (place_[kOpen] != 0) return run.plan.dt > 0.0 ? now : sums_[kBlockEnd];
   if (now >= to_) return kNever;
@@ -190,7 +215,40 @@ double EnergyBalance::idle_until(const RunContext& run) const {
   return whole_ ? from_ : next_;
 }
 
+/// From here on the run keeps the ledger itself.
+void EnergyBalance::open_own(RunContext& run) {
+  const SystemView<double>& view = run.model.system().view;
+  const std::int64_t last = run.clock.grid_steps() + static_cast<std::int64_t>(steps_);
+  sums_[kBlockBegin] = run.clock.time();
+  sums_[kBlockEnd] = std::min(static_cast<double>(last) * run.plan.dt, run.plan.duration);
+  sums_[kBlockEnergy] = stored_energy(run);
+  ledger_->keep(run, true);
+  std::copy_n(view.integrals, view.rates, sums_ + kReals);
+  place_[kOpen] = 1;
+}
+
+/// A block that the run has not come to the end of counts for nothing.
+void EnergyBalance::close_own(RunContext& run, bool there) {
+  EnergyTerms terms = ledger_->terms(run, sums_ + kReals, sums_[kBlockBegin]);
+  ledger_->keep(run, false);
+  place_[kOpen] = 0;
+  if (!there) return;
+  const double begin = sums_[kBlockBegin];
+  const double end = run.clock.time();
+  const double stored = stored_energy(run);
+  terms.stored = stored - std::exchange(sums_[kBlockEnergy], stored);
+  const SystemView<double>& view = run.model.system().view;
+  count(terms, begin, end, kinetic_energy(run.model, view.position, view.velocity, end));
+  close(terms.numerical());
+}
+
+void EnergyBalance::close_of_twin(RunContext& run, bool there) {
+  const double energy = there ? stored_energy(run) : sums_[kBlockEnergy];
+  close(sums_[kOpenWork] + (energy - sums_[kBlockEnergy]));
+}
+
 void EnergyBalance::open(RunContext& run) {
+  if (ledger_) return open_own(run);
   twin_->take_up();
   const SystemView<double>& view = twin_->model().system().view;
   std::copy_n(view.integrals, view.rates, integrals_.data());
@@ -205,7 +263,18 @@ void EnergyBalance::open(RunContext& run) {
   EnergyTerms terms = energy_terms(twin_->model(), integrals_.data(), view.integrals, begin, end);
   sums_[kBlockEnergy] = stored_energy(twin_->context());
   terms.stored = sums_[kBlockEnergy] - stored;
+  count(terms, begin, end, kinetic_energy(twin_->model(), view.position, view.velocity, end));
+  sums_[kBlockEnd] = end;
+  sums_[kOpenWork] = terms.numerical();
+  if (run.plan.dt > 0.0) {
+    place_[kOpen] = 1;
+  } else {
+    close(terms.numerical());
+  }
+}
 
+/// A block that ends with the energy sums_[kBlockEnergy].
+void EnergyBalance::count(const EnergyTerms& terms, double begin, double end, double kinetic) {
   // In parts of what the first block has, and times in parts of the window: squares stay numbers.
   if (sums_[kUnit] == 0.0) {
     const double size = std::max({std::abs(terms.work), std::abs(terms.heat),
@@ -225,17 +294,10 @@ void EnergyBalance::open(RunContext& run) {
   sums_[kTime] += stands_for;
   sums_[kWork] += weight * terms.size_of_work;
   sums_[kHeat] += weight * terms.size_of_heat;
-  sums_[kKinetic] += stands_for * kinetic_energy(twin_->model(), view.position, view.velocity, end);
+  sums_[kKinetic] += stands_for * kinetic;
   sums_[kStored] += stands_for * std::abs(sums_[kBlockEnergy]);
-  sums_[kBlockEnd] = end;
   sums_[kBlockLength] = length;
   sums_[kBlockWeight] = weight;
-  sums_[kOpenWork] = terms.numerical();
-  if (run.plan.dt > 0.0) {
-    place_[kOpen] = 1;
-  } else {
-    close(terms.numerical());
-  }
 }
 
 void EnergyBalance::close(double numerical) {

@@ -7,6 +7,7 @@
 
 #include "framework/core/system/aligned.hpp"
 #include "framework/core/system/state_layout.hpp"
+#include "framework/run/energy_terms.hpp"
 #include "framework/run/run.hpp"
 
 /// Whether the energy balance of a run closes: stored change + heat - work, the numerical work, is
@@ -14,6 +15,7 @@
 /// sampled.
 namespace tomlin {
 
+class BriefLedger;
 class Engine;
 struct RunContext;
 
@@ -33,13 +35,17 @@ struct SampledWork {
 std::optional<Warning> doubt_of_balance(const SampledWork& found, bool sampled, RunContext& run);
 
 /// The balance of a run without a ledger, from short blocks of steps at random times, one in each
-/// of some equal parts of the window (stratified sampling). A second engine with a ledger takes the
+/// of some equal parts of the window (stratified sampling). Where the scheme allows it, the run
+/// keeps a ledger during a block (BriefLedger). Elsewhere a second engine with a ledger takes the
 /// steps of a block from the run's own state; where steps are fixed, the energy that the run itself
 /// has after them counts. All that is known so far stands in the run's state.
+///
+/// Evaluations of energies take time: parts are so long, and blocks so short, that the balance of a
+/// run which keeps the ledger itself costs a few per cent of it.
 class EnergyBalance {
  public:
   /// Numbers in the run state.
-  static constexpr std::size_t reals() { return kReals; }
+  static constexpr std::size_t reals(std::size_t rates) { return kReals + rates; }
   static constexpr std::size_t integers() { return kIntegers; }
 
   EnergyBalance(const std::shared_ptr<const Scene>& scene, const RunOptions& options);
@@ -48,10 +54,10 @@ class EnergyBalance {
   EnergyBalance& operator=(const EnergyBalance&) = delete;
 
   void attach(double* reals, std::int64_t* integers);
-  /// Of a window, with steps of dt; 0: adaptive.
-  void start(double from, double to, double dt);
-  /// Before the first step: makes the second engine. Without effect where no ledger can be kept.
-  void prepare(RunState& state);
+  /// Of a window.
+  void start(double from, double to);
+  /// Before the first step. Without effect where no ledger can be kept.
+  void prepare(RunContext& run);
 
   /// Before every step of the run, or as many as it said last; and at its end.
   std::uint64_t look(RunContext& run);
@@ -62,10 +68,11 @@ class EnergyBalance {
 
  private:
   enum {
-    kBlockEnd,     ///< of the last block: the time
+    kBlockBegin,   ///< of the last block: the time
+    kBlockEnd,     ///< likewise, as planned
     kBlockLength,  ///< its time
     kBlockWeight,  ///< what it stands for, in parts of its length
-    kBlockEnergy,  ///< energy that the second engine has at its end
+    kBlockEnergy,  ///< energy that the second engine has at its end, or the run at its begin
     kOpenWork,     ///< numerical work of it
     kTime,         ///< that blocks stand for
     kWork,         ///< sums over blocks, by weight
@@ -77,18 +84,25 @@ class EnergyBalance {
     kSquares,  ///< for the standard error: of w^2 r^2; w is the part of the window that a block
     kCross,    ///< stands for, r its numerical work in a window's time; of w^2 r
     kWeights,  ///< of w^2
-    kReals
+    kReals     ///< followed by the running integrals where a block of the run's own began
   };
   /// kDropped: the second engine has failed; nothing more is looked at.
   enum { kStratum, kOpen, kBlocks, kDropped, kIntegers };
 
   double time_of(std::int64_t stratum) const;
+  bool looks() const { return (ledger_ || twin_) && place_[kDropped] == 0; }
+  void make_twin(RunState& state);
   void open(RunContext& run);
+  void open_own(RunContext& run);
+  void close_own(RunContext& run, bool there);
+  void close_of_twin(RunContext& run, bool there);
+  void count(const EnergyTerms& terms, double begin, double end, double kinetic);
   void close(double numerical);
 
   std::shared_ptr<const Scene> scene_;
   RunOptions options_;
-  std::unique_ptr<Engine> twin_;     ///< null: nothing is looked at
+  std::unique_ptr<BriefLedger> ledger_;
+  std::unique_ptr<Engine> twin_;     ///< where the run cannot keep it
   AlignedVector<double> integrals_;  ///< of the twin, where a block begins
   double from_ = 0.0;
   double to_ = 0.0;
@@ -96,7 +110,7 @@ class EnergyBalance {
   double next_ = 0.0;        ///< at this time
   std::int64_t strata_ = 0;
   std::uint64_t steps_ = 0;  ///< in a block
-  bool whole_ = false;       ///< block after block
+  bool whole_ = false;       ///< one block, or block after block of the second engine
   double* sums_ = nullptr;
   std::int64_t* place_ = nullptr;
 };

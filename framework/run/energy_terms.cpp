@@ -1,7 +1,5 @@
 #include "framework/run/energy_terms.hpp"
 
-#include <cmath>
-
 #include "framework/run/context.hpp"
 #include "framework/run/prescribed_inertia.hpp"
 #include "framework/run/window.hpp"
@@ -15,12 +13,8 @@ EnergyTerms energy_terms(const Model& model, const double* from_integrals,
     return to_integrals[rate] - from_integrals[rate];
   };
   EnergyTerms terms;
-  const auto add = [](double part, double& sum, double& size) {
-    sum += part;
-    size += std::abs(part);
-  };
   for (const Model::Driver& driver : model.drivers()) {
-    add(between(driver.first_rate + model.dimension()), terms.work, terms.size_of_work);
+    terms.add_work(between(driver.first_rate + model.dimension()));
     if (is_accelerated(model, driver)) {
       terms.work += inertia_lacking(model, driver, from_integrals, to_integrals, from, to).back();
     }
@@ -30,14 +24,12 @@ EnergyTerms energy_terms(const Model& model, const double* from_integrals,
     // An energy that changes with time does work on the scene: its heat is that, with the other
     // sign.
     if (force.traits.conservative) {
-      add(-between(force.heat_rate), terms.work, terms.size_of_work);
+      terms.add_work(-between(force.heat_rate));
     } else {
-      add(between(force.heat_rate), terms.heat, terms.size_of_heat);
+      terms.add_heat(between(force.heat_rate));
     }
   }
-  if (model.friction_rate() != kNoRate) {
-    add(between(model.friction_rate()), terms.heat, terms.size_of_heat);
-  }
+  if (model.friction_rate() != kNoRate) terms.add_heat(between(model.friction_rate()));
   return terms;
 }
 

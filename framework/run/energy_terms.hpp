@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+
 #include "framework/model/model.hpp"
 
 namespace tomlin {
@@ -16,6 +18,14 @@ struct EnergyTerms {
   double size_of_work = 0.0;
   double size_of_heat = 0.0;
 
+  void add_work(double part) {
+    work += part;
+    size_of_work += std::abs(part);
+  }
+  void add_heat(double part) {
+    heat += part;
+    size_of_heat += std::abs(part);
+  }
   double numerical() const { return stored + heat - work; }
 };
 

@@ -96,7 +96,7 @@ Engine::Parts::Parts(const std::shared_ptr<const Scene>& scene, const RunOptions
   if (options.watches_energy && !scene->run.ledger && run.path == nullptr &&
       view.dofs <= kMostForASecondEngine) {
     balance = std::make_unique<EnergyBalance>(scene, options);
-    balance->start(until ? 0.0 : plan.window_from, until ? plan.duration : plan.window_to, plan.dt);
+    balance->start(until ? 0.0 : plan.window_from, until ? plan.duration : plan.window_to);
   }
   if (uncontrolled.any()) observation.evaluate_forces_within_steps();
   declare_state();
@@ -142,7 +142,7 @@ void Engine::Parts::begin() {
   observation.samples().begin_sink();
   if (run.outcome.failure) return;
   observation.placed();
-  if (balance) balance->prepare(run.state);
+  if (balance) balance->prepare(run);
   if (run.options.resume_from != nullptr) {
     resume(*run.options.resume_from);
   } else {
@@ -184,7 +184,7 @@ void Engine::Parts::declare_state() {
   // Its checkpoints are of no use to a run from the scene's start.
   if (run.options.start_from != nullptr) layout.add_integers("started_elsewhere", 1);
   if (balance) {
-    layout.add_reals("energy_balance", EnergyBalance::reals());
+    layout.add_reals("energy_balance", EnergyBalance::reals(run.model.system().view.rates));
     layout.add_integers("energy_balance", EnergyBalance::integers());
   }
   run.state = RunState(layout, 1);

@@ -41,6 +41,8 @@ void FixedGrid::advance(std::uint64_t most) {
     take_one(up_to_switch({run_.since_anchor() + static_cast<double>(into), rest, end, true}));
     return;
   }
+  // A ledger that is kept for some steps may end blocks in registers.
+  if (samples_each_step_ && !run_.integrator->has_point_block()) plain_left_ = 0;
   if (parts_.triggers.waiting() || parts_.observation.looks_within_steps()) {
     plain_left_ = 0;
   } else if (plain_left_ == 0) {

@@ -1,6 +1,8 @@
 #include "framework/run/selection.hpp"
 
 #include <algorithm>
+#include <initializer_list>
+#include <utility>
 
 namespace tomlin {
 namespace {
@@ -11,6 +13,20 @@ std::string_view without_axis(std::string_view path) {
     if (path.ends_with(axis)) return path.substr(0, path.size() - axis.size());
   }
   return path;
+}
+
+/// Whether a path is these parts with dots between them.
+bool is_joined(std::string_view path, std::initializer_list<std::string_view> parts) {
+  bool first = true;
+  for (const std::string_view part : parts) {
+    if (!std::exchange(first, false)) {
+      if (!path.starts_with('.')) return false;
+      path.remove_prefix(1);
+    }
+    if (!path.starts_with(part)) return false;
+    path.remove_prefix(part.size());
+  }
+  return path.empty();
 }
 
 }  // namespace
@@ -24,13 +40,11 @@ bool Selection::wants(std::string_view key) const {
 
 bool Selection::wants(std::string_view family, std::string_view name, std::string_view key) const {
   if (is_all()) return true;
-  const std::string of_name =
-      name.empty() ? std::string(key) : std::string(name) + "." + std::string(key);
-  const std::string full = std::string(family) + "." + of_name;
-  const std::string of_all = std::string(family) + "." + std::string(key);
   return std::any_of(paths_.begin(), paths_.end(), [&](std::string_view path) {
     const std::string_view row = without_axis(path);
-    return row == full || row == of_name || row == of_all;
+    if (is_joined(row, {family, key})) return true;
+    if (name.empty()) return row == key;
+    return is_joined(row, {family, name, key}) || is_joined(row, {name, key});
   });
 }
 

@@ -23,21 +23,32 @@ TotalForces::TotalForces(const ObserverParts& parts) : parts_(parts) {
 }
 
 void TotalForces::list_bodies_of(const Model::Force& force) {
+  const auto& acts_on = force.bodies;
+  if (std::none_of(acts_on.begin(), acts_on.end(),
+                   [&](std::size_t b) { return wants(force, b); })) {
+    return;
+  }
   const std::vector<Pass<double>> passes = force.bound->passes();
   std::set<std::size_t> bodies;
   for (const Pass<double>& pass : passes) {
     for (const Region& region : pass.writes) bodies.insert(region.body);
   }
   for (const std::size_t body : bodies) {
-    const std::string name = force.name + ".on." + parts_.run.model.bodies()[body].bound.name;
-    bool wanted = false;
-    for (const char* key : {"mean_force", "max_force", "min_force", "final_force"}) {
-      wanted = wanted || parts_.selection.wants("forces", name, key);
-    }
-    if (!wanted) continue;
+    if (!wants(force, body)) continue;
     pairs_.push_back({&force, body, passes});
-    names_.push_back(name);
+    names_.push_back(name_of(force, body));
   }
+}
+
+std::string TotalForces::name_of(const Model::Force& force, std::size_t body) const {
+  return force.name + ".on." + parts_.run.model.bodies()[body].bound.name;
+}
+
+bool TotalForces::wants(const Model::Force& force, std::size_t body) const {
+  const std::string name = name_of(force, body);
+  const auto keys = {"mean_force", "max_force", "min_force", "final_force"};
+  return std::any_of(keys.begin(), keys.end(),
+                     [&](const char* key) { return parts_.selection.wants("forces", name, key); });
 }
 
 void TotalForces::evaluate(const RunMoment& moment,

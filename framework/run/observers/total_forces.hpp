@@ -29,6 +29,8 @@ class TotalForces {
     std::vector<Pass<double>> passes;
   };
   void list_bodies_of(const Model::Force& force);
+  std::string name_of(const Model::Force& force, std::size_t body) const;
+  bool wants(const Model::Force& force, std::size_t body) const;
   double total_on(std::size_t body, std::size_t axis) const;
 
   ObserverParts parts_;

@@ -83,6 +83,7 @@ TEST(EnergyBalance, OfASampleIsThatOfTheLedger) {
     blind.watches_energy = false;
     const RunResult alone = run_as_bound(scene, blind);
     EXPECT_EQ(alone.steps, watched.steps);
+    EXPECT_EQ(alone.force_evaluations, watched.force_evaluations);
     EXPECT_EQ(alone.driver(0)["mean_force"], watched.driver(0)["mean_force"]);
     EXPECT_EQ(alone.body(0)["centre_of_mass"], watched.body(0)["centre_of_mass"]);
     EXPECT_EQ(alone.body(0)["velocity"], watched.body(0)["velocity"]);
@@ -166,6 +167,71 @@ TEST(EnergyBalance, FindsAForceThatIsNotTheSlopeOfItsEnergy) {
   for (const std::string& text : {tip.text(), with_ledger(tip.text())}) {
     EXPECT_TRUE(warned(run(parse_scene(text, "test.toml", spoilt.registry()), {})));
     EXPECT_FALSE(warned(run(parse_scene(text, "test.toml", sound.registry()), {})));
+  }
+}
+
+/// A substrate that counts what is asked of it.
+struct Counted : SinusoidalSubstrate {
+  static inline std::size_t forces = 0;
+  static inline std::size_t energies = 0;
+
+  template <class T, int D>
+  static Vec<T, D> force(const Parameters<T, D>& p, const Site<T, D>& site) {
+    ++forces;
+    return SinusoidalSubstrate::force(p, site);
+  }
+  template <class T, int D>
+  static T energy(const Parameters<T, D>& p, const Site<T, D>& site) {
+    ++energies;
+    return SinusoidalSubstrate::energy(p, site);
+  }
+};
+
+/// The balance costs at most a twentieth of the evaluations of a run, however short it is.
+TEST(EnergyBalance, IsWatchedByFewEvaluations) {
+  constexpr double kPart = 0.05;
+  const SpoiltRegistry counting("sinusoidal_substrate", planted<Counted>);
+  for (const int steps : {100, 256, 1000, 10000}) {
+    SCOPED_TRACE(steps);
+    const TipScene tip{.stiffness = 0.7,
+                       .damping = 0.3,
+                       .amplitude = 0.3,
+                       .duration = 0.1 * steps,
+                       .integrator = fixed_step(0.1)};
+    const auto scene = parse_scene(tip.text(), "test.toml", counting.registry());
+    std::size_t evaluations[2] = {};
+    for (const bool watched : {false, true}) {
+      Counted::forces = Counted::energies = 0;
+      RunOptions options;
+      options.watches_energy = watched;
+      EXPECT_EQ(run_as_bound(scene, options).status, RunStatus::finished);
+      evaluations[watched ? 1 : 0] = Counted::forces + Counted::energies;
+    }
+    EXPECT_LE(static_cast<double>(evaluations[1] - evaluations[0]),
+              kPart * static_cast<double>(evaluations[0]));
+    EXPECT_GT(evaluations[1], evaluations[0]);
+  }
+}
+
+/// A run that is stopped while it keeps a ledger goes on as if it had not been.
+TEST(EnergyBalance, IsResumedWithinABlock) {
+  const TipScene tip{.stiffness = 0.7,
+                     .damping = 0.3,
+                     .amplitude = 0.3,
+                     .duration = 40.0,
+                     .integrator = fixed_step(0.4)};
+  const auto scene = scene_of(tip.text());
+  Engine whole(scene, {});
+  whole.run();
+  for (const std::uint64_t stopped_after : {1U, 16U, 50U, 64U, 99U}) {
+    SCOPED_TRACE(stopped_after);
+    Engine first(scene, {});
+    first.advance(stopped_after);
+    Engine second(scene, {});
+    second.resume(first.state().to_bytes());
+    second.run();
+    EXPECT_EQ(second.sampled_work()->numerical, whole.sampled_work()->numerical);
+    EXPECT_EQ(second.sampled_work()->heat, whole.sampled_work()->heat);
   }
 }
 

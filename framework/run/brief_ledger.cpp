@@ -1,0 +1,110 @@
+#include "framework/run/brief_ledger.hpp"
+
+#include <algorithm>
+
+#include "framework/run/context.hpp"
+
+namespace tomlin {
+namespace {
+
+/// The velocities of particles that follow a rigid body are computed where a force reads them.
+bool has_velocities(const Model& model, const Model::Force& force) {
+  return force.traits.depends_on_velocity ||
+         std::none_of(force.bodies.begin(), force.bodies.end(),
+                      [&](std::size_t body) { return model.bodies()[body].bound.slot.mapped; });
+}
+
+/// A step is computed from the state alone, with all rates that an evaluation gives: explicit
+/// Runge-Kutta schemes of a fixed step.
+bool steps_from_state(const RunContext& run) {
+  const IntegratorRecord& scheme = run.scheme;
+  return scheme.in_lanes && !scheme.adaptive && scheme.takes_any_scene() &&
+         scheme.library.empty() && run.model.system().view.inertial &&
+         run.scene->run.number_type == NumberType::double_precision;
+}
+
+}  // namespace
+
+BriefLedger::BriefLedger(const RunContext& run) {
+  const SystemView<double>& view = run.model.system().view;
+  if (!steps_from_state(run)) return;
+  operations_.assign(view.operations, view.operations + view.operation_count);
+  if (view.direct_point_forces == nullptr) {
+    points_.assign(view.point_forces, view.point_forces + view.point_force_count);
+    dampers_.reserve(points_.size());
+  }
+  const std::size_t before = points_.empty() ? 0 : 1;  // a point's force stands before its power
+  std::size_t rate = view.used_rates + before;
+  for (const Model::Force& force : run.model.forces()) {
+    Operation<double> heat;
+    if (force.is_operator || force.driver) continue;
+    if (!force.bound->heat(static_cast<std::ptrdiff_t>(rate), heat)) continue;
+    if (!has_velocities(run.model, force)) return;
+    if (!points_.empty() && !add_point(force, rate)) points_.clear();
+    heats_.push_back({rate, force.traits.conservative});
+    operations_.push_back(heat);
+    rate += 1 + before;
+  }
+  used_rates_ = rate - before;
+  can_be_kept_ = used_rates_ <= view.rates;
+}
+
+/// What a force that follows velocities takes out is -F v.
+bool BriefLedger::add_point(const Model::Force& force, std::size_t rate) {
+  PointForce<double> own;
+  if (!force.traits.depends_on_velocity || !force.bound->point(own)) return false;
+  const auto found = std::find_if(points_.begin(), points_.end(), [&](const auto& point) {
+    return point.parameters == own.parameters && point.rate == kNoRate;
+  });
+  if (found == points_.end()) return false;
+  dampers_.push_back({found->run, found->parameters});
+  found->run = &with_heat;
+  found->parameters = &dampers_.back();
+  found->rate = static_cast<std::ptrdiff_t>(rate) - 1;
+  return true;
+}
+
+PointResult<double> BriefLedger::with_heat(const void* damper, double position, double velocity,
+                                           double start, double elapsed) {
+  const auto& own = *static_cast<const Damper*>(damper);
+  const PointResult<double> of = own.run(own.parameters, position, velocity, start, elapsed);
+  return {of.force, -of.force * velocity};
+}
+
+void BriefLedger::keep(RunContext& run, bool on) {
+  if (on == kept_) return;
+  kept_ = on;
+  System<double>& system = run.model.system();
+  SystemView<double>& view = system.view;
+  if (on) {
+    without_ = view;
+    view.operations = operations_.data();
+    view.operation_count = operations_.size();
+    view.point_forces = points_.data();
+    view.point_force_count = points_.size();
+    view.used_rates = used_rates_;
+  } else {
+    view.operations = without_.operations;
+    view.operation_count = without_.operation_count;
+    view.point_forces = without_.point_forces;
+    view.point_force_count = without_.point_force_count;
+    view.used_rates = without_.used_rates;
+    std::fill(view.integrals + view.used_rates, view.integrals + view.rates, 0.0);
+  }
+  // The start of the next step is evaluated with other operations.
+  system.evaluations -= run.integrator->evaluations_ahead();
+  run.integrator->forces_changed();
+}
+
+EnergyTerms BriefLedger::terms(const RunContext& run, const double* from_integrals,
+                               double from) const {
+  const double* const now = run.model.system().view.integrals;
+  EnergyTerms terms = energy_terms(run.model, from_integrals, now, from, run.clock.time());
+  for (const Heat& heat : heats_) {
+    const double out = now[heat.rate] - from_integrals[heat.rate];
+    heat.of_energy ? terms.add_work(-out) : terms.add_heat(out);
+  }
+  return terms;
+}
+
+}  // namespace tomlin

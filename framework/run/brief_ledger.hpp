@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "framework/core/system/system.hpp"
+#include "framework/model/model.hpp"
+#include "framework/run/energy_terms.hpp"
+
+namespace tomlin {
+
+struct RunContext;
+
+/// An energy ledger that a run keeps during some of its own steps: the evaluations of these steps
+/// also give the heats of all forces, as rates behind those that the run integrates. Positions and
+/// velocities keep their bits.
+class BriefLedger {
+ public:
+  explicit BriefLedger(const RunContext& run);
+
+  /// False where heats are not known in this way, or are integrated in another: schemes that go on
+  /// with rates of the last step or split friction off, other number types, no room in the padding
+  /// of the rates, velocities that nothing else asks for.
+  bool can_be_kept() const { return can_be_kept_; }
+  /// From this step on, or no more.
+  void keep(RunContext& run, bool on);
+  bool is_kept() const { return kept_; }
+  /// What the steps since `from` did, but for the energy stored: running integrals then and now.
+  EnergyTerms terms(const RunContext& run, const double* from_integrals, double from) const;
+
+ private:
+  struct Heat {
+    std::size_t rate = 0;
+    bool of_energy = false;  ///< of one that changes with time: work on the scene
+  };
+
+  /// The force of a single particle on a line, with the power that it takes out.
+  struct Damper {
+    PointKernel<double> run = nullptr;
+    const void* parameters = nullptr;
+  };
+
+  bool add_point(const Model::Force& force, std::size_t rate);
+  static PointResult<double> with_heat(const void* damper, double position, double velocity,
+                                       double start, double elapsed);
+
+  bool can_be_kept_ = false;
+  bool kept_ = false;
+  std::vector<Heat> heats_;
+  std::vector<Operation<double>> operations_;  ///< of an evaluation with heats
+  std::vector<PointForce<double>> points_;     ///< likewise; none: operations are called
+  std::vector<Damper> dampers_;                ///< among them
+  std::size_t used_rates_ = 0;
+  SystemView<double> without_;  ///< while it is kept
+};
+
+}  // namespace tomlin
