@@ -140,7 +140,7 @@ bool is_good(const Case& one, const std::string& folder) {
     return false;
   }
   const Variants variants(scene, registry);
-  const Measurer measurer(variants, tradeoff.observable, kLongest, nullptr);
+  Measurer measurer(variants, tradeoff.observable, kLongest, nullptr);
   const double truth =
       measurer
           .with({{"run.integrator", fmt::format("{{ type = \"dopri5\", absolute_tolerance = {0}, "

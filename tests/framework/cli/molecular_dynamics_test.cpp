@@ -61,7 +61,7 @@ std::vector<SpoiltTube> spoilt_tubes() {
        named,
        "file = \"bad.tersoff\"",
        "tube.toml:38:8: force.bonds.file = \"bad.tersoff\" [file.invalid]\n",
-       {"bad.tersoff:3: ", "0.1x5"}},
+       {"bad.tersoff:3: ", "column 3"}},
       {"no potential file",
        named,
        "file = \"none.tersoff\"",
