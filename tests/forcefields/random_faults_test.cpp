@@ -18,7 +18,8 @@ namespace {
 
 constexpr int kScenes = 400;
 constexpr std::size_t kFewest = 20;  // of them with the force on what moves
-/// Parts of these in which the fault is found: high above a substrate that decays there is no force.
+/// Parts of these in which the fault is found: high above a substrate that decays there is no
+/// force.
 constexpr double kFewestFound = 0.95;
 
 /// The force is one part in a hundred larger than the slope of its energy.

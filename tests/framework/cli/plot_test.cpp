@@ -398,10 +398,9 @@ TEST_F(PlotOfSweep, WhatDoesNotFitIsRefused) {
 }
 
 TEST_F(Plot, WhatTheRunHasNotLeftIsNamed) {
-  expect_refused({"plot", "tip", "rotation", "-o", "a.svg"},
-                 "tip/observables.csv: [plot.no_data]\n",
-                 {"no body has a column rotation",
-                  "driver.force.x, driver.position.x, tip.centre_of_mass.x"});
+  expect_refused(
+      {"plot", "tip", "rotation", "-o", "a.svg"}, "tip/observables.csv: [plot.no_data]\n",
+      {"no body has a column rotation", "driver.force.x, driver.position.x, tip.centre_of_mass.x"});
   fs::remove(folder_ / "tip/observables.csv");
   expect_refused({"plot", "tip", "-o", "a.svg"}, "tip: [plot.no_data]\n", {"observables.csv"});
 }

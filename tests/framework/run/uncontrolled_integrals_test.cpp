@@ -14,9 +14,9 @@
 namespace tomlin::test {
 namespace {
 
-/// Tolerances that a mean force may be off, in parts of the largest force: every step is as exact as
-/// one of them, and at the edges of the window, within steps, the dense output is less so (20 are
-/// found under radau9).
+/// Tolerances that a mean force may be off, in parts of the largest force: every step is as exact
+/// as one of them, and at the edges of the window, within steps, the dense output is less so (20
+/// are found under radau9).
 constexpr double kTolerancesOfMeans = 40.0;
 /// Rounding of means and works of some thousand steps.
 constexpr double kRounding = 1e-12;
