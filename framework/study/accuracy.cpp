@@ -258,7 +258,7 @@ void estimate_errors(const ChosenIntegrator& chosen, const RunOptions& options, 
     }
     if (!trial.finished()) {
       if (!finished.empty()) {
-        if (finished.size() == 1) finished.front().share *= kAlone;
+        if (!companion.other_family) finished.front().share *= kAlone;
         continue;
       }
       warn(result, FaultCode::run_error_not_estimated,
