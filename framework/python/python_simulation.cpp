@@ -142,6 +142,7 @@ bool Simulation::take_steps(double to, std::uint64_t most_steps, std::atomic<boo
                             ProgressCall* signals) {
   using Clock = std::chrono::steady_clock;
   constexpr std::chrono::milliseconds kLookEvery{50};
+  constexpr std::uint64_t kMostAtOnce = std::uint64_t{1} << 32;  // steps; doubled, still a number
   std::uint64_t at_once = 1;
   auto looked = Clock::now();
   const double dt = engine_->context().plan.dt;
@@ -158,8 +159,8 @@ bool Simulation::take_steps(double to, std::uint64_t most_steps, std::atomic<boo
     const auto before = Clock::now();
     engine_->step_alone(std::min(most, at_once));
     const auto after = Clock::now();
-    at_once =
-        after - before < kLookEvery / 4 ? 2 * at_once : std::max<std::uint64_t>(1, at_once / 2);
+    at_once = after - before < kLookEvery / 4 ? std::min(2 * at_once, kMostAtOnce)
+                                              : std::max<std::uint64_t>(1, at_once / 2);
     if (signals == nullptr || !*signals || after - looked < kLookEvery) continue;
     looked = after;
     (*signals)(stop);
