@@ -238,8 +238,10 @@ class Pilot {
     for (const Tried& one : coarser_than(*main)) {
       chosen.companions.push_back({scene_at(one), line(one), shares[chosen.companions.size()]});
     }
+    // One of another family agrees with the run by its own means, and says nothing of the share.
+    const bool alone = chosen.companions.size() <= 1;
     add_other_family(*main, chosen);
-    if (chosen.companions.size() == 1) chosen.companions.front().share *= kAlone;
+    if (alone && !chosen.companions.empty()) chosen.companions.front().share *= kAlone;
     return chosen;
   }
 
