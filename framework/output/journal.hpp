@@ -54,7 +54,7 @@ enum class Absent { make_it, leave_it };
 
 /// The journal of this name, opened for writing; whoever has it has the folder. Where there is none
 /// it is made, empty, or what comes back is not open. Throws JournalInUse or OutputError.
-/// Where the file system has no locks, `instead` keeps others away; null: nothing does.
+/// `instead` is the guard where the file system has no locks; null: there is none.
 Descriptor own_journal(const std::filesystem::path& file, Absent absent,
                        LockFile* instead = nullptr);
 

@@ -44,7 +44,7 @@ OutputFile::OutputFile(std::filesystem::path file)
     if (const int error = remove_left(unfinished_)) fail(error);
   }
   if (!descriptor_.open()) fail(EBUSY);
-  // Where a file system has no locks, whoever has the folder is the only one to write here.
+  // Only the owner of the folder writes here, if the file system has no locks.
   lock(descriptor_);
 }
 

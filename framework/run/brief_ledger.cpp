@@ -49,7 +49,7 @@ BriefLedger::BriefLedger(const RunContext& run) {
   can_be_kept_ = used_rates_ <= view.rates;
 }
 
-/// What a force that follows velocities takes out is -F v.
+/// A force that depends on velocity takes out the power -F v.
 bool BriefLedger::add_point(const Model::Force& force, std::size_t rate) {
   PointForce<double> own;
   if (!force.traits.depends_on_velocity || !force.bound->point(own)) return false;

@@ -25,7 +25,8 @@ class BriefLedger {
   /// From this step on, or no more.
   void keep(RunContext& run, bool on);
   bool is_kept() const { return kept_; }
-  /// What the steps since `from` did, but for the energy stored: running integrals then and now.
+  /// Returns work and heat of the steps since `from`, from running integrals then and now; the
+  /// stored energy is left out.
   EnergyTerms terms(const RunContext& run, const double* from_integrals, double from) const;
 
  private:

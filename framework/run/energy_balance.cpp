@@ -75,8 +75,8 @@ std::shared_ptr<const Scene> with_ledger(const Scene& scene) {
 
 namespace {
 
-/// What the tolerance of an adaptive scheme allows the numerical work to be; infinite where it says
-/// nothing of it.
+/// Returns the numerical work that the tolerance of an adaptive scheme allows; infinite where it
+/// says nothing of it.
 double allowed_by_tolerance(const SampledWork& found, const RunContext& run) {
   const RunSettings& settings = run.scene->run;
   const double length = tolerance_scales(run.model.system().view).length;

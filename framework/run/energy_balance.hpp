@@ -54,7 +54,7 @@ class EnergyBalance {
   EnergyBalance& operator=(const EnergyBalance&) = delete;
 
   void attach(double* reals, std::int64_t* integers);
-  /// Of a window.
+  /// Begins a window.
   void start(double from, double to);
   /// Before the first step. Without effect where no ledger can be kept.
   void prepare(RunContext& run);

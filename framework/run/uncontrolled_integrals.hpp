@@ -19,7 +19,7 @@ class UncontrolledIntegrals {
   explicit UncontrolledIntegrals(RunContext& run);
   void declare(StateLayout& layout) const;
   void attach(RunState& state);
-  /// Of a run that begins.
+  /// Applies to a run that begins.
   void start();
 
   bool any() const { return !rates_.empty(); }

@@ -16,7 +16,7 @@
 namespace tomlin {
 
 /// The text of a scene, parsed once, which can be read with other values as often as is needed.
-/// What is wrong with the file or its syntax is kept, and thrown when a scene is asked for. Files
+/// Errors of the file or its syntax are kept, and thrown when a scene is asked for. Files
 /// that scenes name are those of `[sweep] files`, and otherwise those of the disk.
 class SceneDocument {
  public:

@@ -23,8 +23,8 @@ struct NumberWithUnit {
 /// Nothing where the text is something else.
 std::optional<NumberWithUnit> unit_in(std::string_view text);
 
-/// What to write in place of it: of an angle in degrees a formula in radians, of a percentage its
-/// value as a part of 1; of others the number.
+/// Returns what to write in place of it: of an angle in degrees a formula in radians, of a
+/// percentage its value as a part of 1; of others the number.
 std::string written_without_unit(const NumberWithUnit& given);
 
 /// "nm", "eV", "K": a unit that is written with a letter or a prefix of its own.

@@ -271,7 +271,7 @@ void estimate_errors(const ChosenIntegrator& chosen, const RunOptions& options, 
     }
     if (!finished.empty()) taken.second_companion = companion.text;
     if (companion.other_family) taken.companion_scheme = companion.scene->run.integrator.record;
-    // What is no more than its own error, which the pilot knows less well, is none of the run's.
+    // A difference of the size of the companion's own error is no error of the run.
     if (companion.other_family && !finished.empty() &&
         relative_difference(trial.result, result, chosen.length) <= kElsewhere * accuracy) {
       continue;

@@ -41,8 +41,8 @@ constexpr double kRoom = 2.0;
 /// The first companion's share for one of another family, whose error is stated as it is: over a
 /// whole run it may be ten times what it is in the pilot.
 constexpr double kShareOfOther = 0.02;
-/// Of what is left for a companion of another family, what it may take in the pilot: the run is not
-/// quite as the pilot.
+/// The share of the remaining cost that a companion of another family may take in the pilot: the
+/// run is not quite as the pilot.
 constexpr double kShareOfWhatIsLeft = 0.8;
 /// A setting and a finer one differ from the reference by the same, but for this part of it, where
 /// it is not they that err.
@@ -130,7 +130,7 @@ Piece pilot_of(const std::shared_ptr<const Scene>& scene) {
   return {3.0 * cycle, cycle};
 }
 
-/// What begins or ends in the run does so in the same part of the pilot.
+/// Forces become active and inactive in the same part of the pilot as of the run.
 std::shared_ptr<const Scene> shortened(const Scene& scene, const Piece& piece) {
   auto result = std::make_shared<Scene>(scene);
   const double part = piece.duration / scene.run.duration;

@@ -24,8 +24,9 @@
 /// what one family gets wrong at every setting shows in no difference between its own runs.
 namespace tomlin {
 
-/// What all companions together may cost, as a part of the run: where stability sets the steps, a
-/// wider tolerance spares nothing. That of another family may always take what the pilot has taken.
+/// The cost that all companions together may have, as a part of the run: where stability sets the
+/// steps, a wider tolerance spares nothing. That of another family may always take what the pilot
+/// has taken.
 inline constexpr double kMostForCompanions = 2.5;
 
 /// Companions of the run's own integrator, from the nearer one on.

@@ -74,7 +74,7 @@ TEST(RandomFaults, AForceOfOnePercentMoreIsFoundInNearlyAllScenes) {
       const Coordinates coordinates = body.record->common(body.description.get()).coordinates;
       on_what_moves = on_what_moves || coordinates == Coordinates::particles;
     }
-    // What is planted takes one amplitude for all particles.
+    // The planted force takes one amplitude for all particles.
     if (!on_what_moves || scenes[k].find("amplitude = [") != std::string::npos) continue;
     ++looked_at;
     if (!spoilt.broken_in(scenes[k]).empty()) ++found;

@@ -38,7 +38,7 @@ constexpr const char* kBetween = "bodies = [\"a\", \"b\"]\n";
 constexpr const char* kOnOne = "body = \"{}\"\n";
 constexpr const char* kPairs = "pairs = [[0, 1], [1, 2], [2, 3]]\n";
 
-/// Of bodies in the plane.
+/// Scenes of bodies in the plane.
 std::vector<Specimen> in_plane() {
   return {{"constant_force", "force = [0.1, -0.05]"},
           {"coulomb_friction", "force = 0.05\nwidth = 0.05"},
@@ -133,7 +133,7 @@ std::string run_of(const Course& course) {
                      course.duration, to_string(course.dynamics));
 }
 
-/// Where the bodies are at the end, and how fast.
+/// Positions and velocities of the bodies at the end.
 using Ends = std::map<std::string, double>;
 
 Ends ends_of(const RunResult& result) {
@@ -147,7 +147,7 @@ Ends ends_of(const RunResult& result) {
   return ends;
 }
 
-/// What schemes make of one scene.
+/// The states in which schemes end one scene.
 struct Compared {
   std::map<std::string, Ends> ends;            ///< by scheme
   std::map<std::string, std::string> refused;  ///< the same

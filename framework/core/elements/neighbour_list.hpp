@@ -91,7 +91,7 @@ void check_distances(const StartingParticles& one, const StartingParticles& othe
 
 /// Places of a body's particles at which a list was made.
 ///
-/// Of a body that never moves two particles tell whether it is where it was: a stage has it where
+/// Two particles of a body that never moves show whether it is where it was: a stage has it where
 /// the model puts it, which changes with the origin, or where whoever asks at places of its own has
 /// put it. It is compared as a whole, as others always are, where one of the two is elsewhere.
 template <class Real>
@@ -100,7 +100,7 @@ class ListedPlaces {
   ListedPlaces(const BoundBody<Real>& body, int dimension)
       : body_(body.slot), fixed_(body.coordinates == Coordinates::fixed), dimension_(dimension) {}
 
-  /// Those of all particles at a stage.
+  /// Returns the positions of all particles at a stage.
   void take(const Stage<Real>& stage) {
     const Real* x = first_of(stage);
     places_.resize(static_cast<std::size_t>(dimension_) * body_.count);

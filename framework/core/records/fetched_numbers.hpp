@@ -22,7 +22,7 @@ class FileTexts {
   FileTexts() = default;
   explicit FileTexts(const std::map<std::string, std::string>& accepted);
 
-  /// Those of scenes that were accepted. What another file holds is nobody's business.
+  /// Returns the files of scenes that were accepted; the text of any other file stays private.
   std::map<std::string, std::string> accepted() const;
   std::optional<std::string> find(const std::string& name) const;
   void keep(const std::string& name, std::string_view text);
@@ -47,7 +47,7 @@ class FileTextsInUse {
   FileTextsInUse& operator=(const FileTextsInUse&) = delete;
 
   std::optional<std::string> find(const std::string& name);
-  /// What stands in a file, which is UTF-8 from now on: bytes that are not are replaced.
+  /// Returns the text of a file as UTF-8; bytes that are not valid are replaced.
   void keep(const std::string& name, std::string& text);
   /// The scene is accepted that these texts were for.
   void accept();

@@ -136,9 +136,9 @@ class ForceUnderTest {
   double change_of(const State& state, const std::function<double(const State&)>& number);
   std::vector<double> changes_of(const State& state,
                                  const std::function<std::vector<double>(const State&)>& numbers);
-  /// Of what acts on places that no variable is: those of particles of rigid and prescribed bodies,
-  /// which are rounded one by one, without regard to signs, also where their sum vanishes, and held
-  /// coordinates. As a force at a body's edge.
+  /// Allowances cover forces at positions that are no variables: those of particles of rigid and
+  /// prescribed bodies, which are rounded one by one, without regard to signs, also where their sum
+  /// vanishes, and held coordinates. As a force at a body's edge.
   struct Terms {
     double size = 0.0;
     double change = 0.0;  ///< per relative change of each place

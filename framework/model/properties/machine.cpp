@@ -89,7 +89,7 @@ void compare_others(ForceUnderTest& e, ForceTwin<double>& twin, const Outcome& f
   const ForceUnderTest::Terms terms = e.terms(state);
   changes[kHeat] += terms.heat + (terms.size + terms.change) * terms.speed;
   if (const Drive* drive = e.bound().drive(); drive != nullptr && !e.on_prescribed()) {
-    // What a driver reports sums up what acts on held coordinates, too.
+    // A driver also reports the forces on held coordinates.
     double fastest = 0.0;
     for (const double v : drive->velocity) fastest = std::max(fastest, std::abs(v));
     const std::size_t first = kFirstRate + static_cast<std::size_t>(e.alone().force().first_rate);

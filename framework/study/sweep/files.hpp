@@ -28,7 +28,7 @@ struct SweepCounts {
   std::size_t point_without_numbers = 0;  ///< there is one, its point
   std::string reason;                     ///< and its reason
 
-  /// Of the whole: `refused` where every point is.
+  /// The status of the whole: `refused` where every point is.
   SweepStatus status() const {
     const std::size_t others = of(SweepStatus::finished) + of(SweepStatus::failed);
     return others == 0 ? SweepStatus::refused : SweepStatus::finished;

@@ -27,8 +27,8 @@ class SweepJournal : public SweepRows {
   enum class Found { nothing, same_sweep, other_sweep, other_version };
   enum class Use { go_on, read };
 
-  /// What a file holds, which is left as it is. Throws DamagedFile, also where it is there and
-  /// cannot be read.
+  /// Returns the records of a file, which is left as it is. Throws DamagedFile, also where it is
+  /// there and cannot be read.
   static Found look(const std::filesystem::path& file, const SweepPlan& plan);
 
   /// Goes on with the file where it is of the same sweep, and begins one where there is nothing. A
@@ -40,7 +40,7 @@ class SweepJournal : public SweepRows {
   /// Records that the sweep is over: all its points have a row, and none will be added. Its status
   /// is `refused` where all of them are.
   void complete(SweepStatus status);
-  /// Of a sweep that is over; nothing: it is not.
+  /// The record of a sweep that is over; nothing: it is not.
   std::optional<SweepStatus> ended() const;
   void keep(std::size_t point, const SweepRow& row) override;
 

@@ -292,7 +292,7 @@ TEST(SlipsUnderNoise, OfAColdTipAreThoseWithoutNoise) {
   EXPECT_GT(*without.driver(0)["mean_slip_length"], 1.5);
 }
 
-/// Where a slip ends does not depend on where steps end.
+/// The end of a slip does not depend on the ends of steps.
 TEST(SlipsUnderNoise, HaveTheLengthOfAnyStep) {
   constexpr double kPeriods = 250.0;
   constexpr double kSigmas = 4.0;

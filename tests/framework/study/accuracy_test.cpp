@@ -376,7 +376,7 @@ TEST(AccuracyOf, WhatOneFamilyLosesTheOtherSees) {
   EXPECT_LT(estimated(with_errors()), 0.01 * off);
 }
 
-/// What begins in the middle of a run does so in the middle of its pilot.
+/// A force that begins in the middle of a run does so in the middle of its pilot.
 TEST(AccuracyOf, ThePilotSeesWhatBeginsLater) {
   for (const std::string active : {"{ from = \"1 / v\" }", "{ from = \"5 / v\" }",
                                    "{ from = \"2 / v\", until = \"5 / v\" }"}) {
