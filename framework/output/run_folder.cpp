@@ -248,7 +248,7 @@ void RunFolder::remove_run() {
   remove_results();
   for (const char* name : kFilesOfARun) {
     const bool is_own = std::find(names_.begin(), names_.end(), name) != names_.end();
-    if (name != kJournalFile && !is_own) remove(name);
+    if (std::string_view(name) != kJournalFile && !is_own) remove(name);
   }
   if (::ftruncate(lock_.number(), 0) != 0) throw OutputError(file(kJournalFile), errno);
 }
