@@ -71,14 +71,16 @@ std::optional<NumberWithUnit> unit_in(std::string_view text) {
 }
 
 std::string written_without_unit(const NumberWithUnit& given) {
-  const std::string number(given.number);
-  if (given.unit == "deg" || given.unit == "\xC2\xB0")
+  std::string number(given.number);
+  if (given.unit == "deg" || given.unit == "\xC2\xB0") {
     return "'" + number + " * pi / 180', since angles are in radians";
-  if (given.unit == "%")
+  }
+  if (given.unit == "%") {
     return "'" + number +
            " / 100' where a part of 1 is asked for; error in run.until is absolute, in the units "
            "of "
            "its observable";
+  }
   return number;
 }
 
