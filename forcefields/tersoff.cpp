@@ -130,10 +130,25 @@ std::vector<Complaint> complaints(const TersoffDescription& d, const SceneOutlin
                       "the potential is one of three dimensions", "a scene in three dimensions")};
   }
   const std::vector<std::string>& species = scene.bodies.front().species;
-  if (species.empty() && known.size() > 1) {
-    return {complaint(FaultCode::component_unsuitable, key_of(d),
-                      "there are numbers of several species, and the body has none",
-                      "species = \"" + known.front().species[0] + "\" in the body")};
+  const auto of_species = [&](FaultCode code, std::string why, std::string admissible) {
+    Complaint found = complaint(code, "species", std::move(why), std::move(admissible));
+    found.body = 0;
+    return found;
+  };
+  std::vector<Complaint> found;
+  if (species.empty()) {
+    const bool of_one = known.size() == 1;
+    found.push_back(
+        of_species(of_one ? FaultCode::component_no_species : FaultCode::component_unsuitable,
+                   fmt::format("tersoff has the numbers of {}, and the body has no species",
+                               names_of_species(known)),
+                   fmt::format("write species = \"{}\" in the body", known.front().species[0])));
+    if (!of_one) return found;
+  }
+  if (!d.parameters.empty() && scene.units == UnitSystem::reduced) {
+    found.push_back(complaint(FaultCode::component_other_units, "parameters",
+                              "the set is in eV and Angstrom, and the scene is in reduced units",
+                              "write units = \"metal\" in [scene]"));
   }
   double longest = 0.0;
   const auto include = [&](const TersoffEntry& entry) {
@@ -145,17 +160,19 @@ std::vector<Complaint> complaints(const TersoffDescription& d, const SceneOutlin
       for (const std::string& k : species) {
         const TersoffEntry* entry = entry_for(known, {i, j, k});
         if (entry == nullptr) {
-          return {
-              complaint(FaultCode::component_unsuitable, key_of(d),
-                        fmt::format("there are no numbers for {} {} {}, species of the body \"{}\"",
-                                    i, j, k, scene.bodies.front().name),
-                        "in the body species of " + names_of_species(known))};
+          return {of_species(
+              FaultCode::component_unsuitable,
+              fmt::format("tersoff has no numbers for {} {} {}, species of the body", i, j, k),
+              names_of_species(known))};
         }
         include(*entry);
       }
     }
   }
-  return cutoff_complaints(key_of(d), longest, scene, &outer_list);
+  for (Complaint& one : cutoff_complaints(key_of(d), longest, scene, &outer_list)) {
+    found.push_back(std::move(one));
+  }
+  return found;
 }
 
 /// Decay of the repulsion.

@@ -346,7 +346,7 @@ void check_drag(Check& check) {
   if (!(error > kCoarseDrag)) return;
   const std::string what = fmt::format(
       "dt = {:g} is {:.3g} times the time 1/{:g} in which friction stops a motion: "
-      "{} drags too easily by {:.2g} of the force",
+      "{} underestimates the friction force by {:.2g} of it",
       check.plan.dt, check.plan.dt * rate, rate, check.scheme.name, error);
   if (error <= kUselessDrag || check.scene.run.allow_unstable) {
     check.found.warnings.push_back({FaultCode::integrator_weak_drag, what, kStepKey});
@@ -355,6 +355,50 @@ void check_drag(Check& check) {
   fail(FaultCode::run_step_unstable, check, "", what,
        "take a smaller dt, dynamics = \"overdamped\", or insist with run.allow_unstable = "
        "true");
+}
+
+/// The highest temperature of the baths of a body, an energy.
+class HottestBath : public FrictionSink {
+ public:
+  explicit HottestBath(std::size_t body) : body_(body) {}
+  void site(std::size_t, std::size_t, double) override {}
+  void bath(std::size_t body, std::size_t, double, double temperature) override {
+    if (body == body_) highest = std::max(highest, temperature);
+  }
+  double highest = 0.0;
+
+ private:
+  std::size_t body_;
+};
+
+/// A number of kelvins in reduced units, where a temperature is an energy, is far above all
+/// barriers. The barrier of a sine is twice its amplitude, and a rigid body has that of all its
+/// particles.
+void warn_of_hot_baths(Check& check) {
+  constexpr double kMostBarriers = 100.0;  // thermal energies of studies are below one barrier
+  if (check.scene.units != UnitSystem::reduced) return;
+  for (std::size_t b = 0; b < check.model.bodies().size(); ++b) {
+    const BoundBody<double>& body = check.model.bodies()[b].bound;
+    HottestBath bath(b);
+    double barrier = 0.0;
+    for (const Model::Force& force : check.model.forces()) {
+      force.bound->friction(bath);
+      const double period = period_of(force, b, check.scene);
+      if (!(period > 0.0)) continue;
+      const double curvature = force.bound->curvature_bound();  // negative: not known
+      const double amplitude = curvature * std::pow(period / kTau, 2);
+      barrier = std::max(barrier, curvature < 0.0 ? kNoBound : 2.0 * amplitude);
+    }
+    if (body.slot.rigid) barrier *= static_cast<double>(body.slot.count);
+    if (!(barrier > 0.0 && bath.highest > kMostBarriers * barrier)) continue;
+    check.found.warnings.push_back(
+        {FaultCode::run_far_above_barriers,
+         fmt::format("the temperature of the bath of \"{}\", {:g}, is {:.2g} times the highest "
+                     "barrier of its substrate, about {:.2g}: in reduced units a temperature is an "
+                     "energy, k_B T",
+                     body.name, bath.highest, bath.highest / barrier, barrier),
+         "body." + body.name});
+  }
 }
 
 /// Positions that scatter too widely in a well, of the largest relaxation rate in the scene.
@@ -527,6 +571,10 @@ bool is_stable(double step, double stable_step) { return step < stable_step * (1
 
 StartFindings check_start(Model& model, const RunPlan& plan, bool checks_step) {
   Check check = {model, plan};
+  for (const SceneForce& force : check.scene.forces) {
+    check.found.warnings.insert(check.found.warnings.end(), force.warnings.begin(),
+                                force.warnings.end());
+  }
   warn_of_idle_velocities(check);
   warn_of_fine_tolerance(check);
   warn_of_unused_integrator(check);
@@ -541,6 +589,7 @@ StartFindings check_start(Model& model, const RunPlan& plan, bool checks_step) {
   check_ways(check);
   check_drag(check);
   check_noise(check);
+  warn_of_hot_baths(check);
   warn_of_wide_distribution(check);
   check_pace(check);
   warn_of_coarse_tolerance(check);

@@ -321,13 +321,18 @@ std::optional<SceneOutline> outline_for(const std::vector<std::size_t>& indices,
   return outline;
 }
 
+bool is_fault(const Complaint& complaint) {
+  return kind_of(complaint.code).severity == Severity::error;
+}
+
 /// What the record finds; of parameters that differ between particles for the first at fault.
 std::vector<Complaint> complaints_of_each(const ForceDraft& force, const SceneOutline& outline) {
   void* const description = force.description.get();
   const std::vector<Variation> variations = variations_of(force);
   std::vector<Complaint> found = force.record->complaints(description, outline);
   if (variations.empty()) return found;
-  for (std::size_t i = 0; found.empty() && i < count_of(variations.front()); ++i) {
+  const std::size_t count = count_of(variations.front());
+  for (std::size_t i = 0; i < count && std::none_of(found.begin(), found.end(), is_fault); ++i) {
     assign_particle(variations, i, description);
     found = force.record->complaints(description, outline);
   }
@@ -414,8 +419,19 @@ void check_forces(std::vector<ForceDraft>& forces, const std::vector<BodyDraft>&
       fits = pairs.add(force, *outline, faults);
       return found;
     });
-    report(complaints, force.reading, faults);
-    if (!complaints.empty() || !fits) force.sound = false;
+    for (const Complaint& one : complaints) {
+      const TableReading& reading =
+          one.body ? bodies[force.bodies[*one.body]].reading : force.reading;
+      if (is_fault(one)) {
+        report({one}, reading, faults);
+        fits = false;
+      } else {
+        const std::string key = reading.path + "." + one.key;
+        force.warnings.push_back(
+            {one.code, fmt::format("{}: {}; {}", key, one.why, one.admissible), key});
+      }
+    }
+    if (!fits) force.sound = false;
   }
 }
 

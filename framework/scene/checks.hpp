@@ -11,6 +11,7 @@
 #include "framework/core/records/body.hpp"
 #include "framework/core/records/force.hpp"
 #include "framework/core/records/observer.hpp"
+#include "framework/core/text/warning.hpp"
 #include "framework/scene/fault_list.hpp"
 #include "framework/scene/scene.hpp"
 #include "framework/scene/table_reader.hpp"
@@ -40,6 +41,7 @@ struct ForceDraft : ComponentDraft<ForceRecord> {
   bool driver = false;
   std::optional<ActiveSettings> active;
   Table active_effective;  ///< with its defaults filled in
+  std::vector<Warning> warnings;
 };
 
 /// Its parameters that differ between particles.

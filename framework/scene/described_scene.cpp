@@ -82,6 +82,7 @@ void describe_components(SceneDraft& draft) {
     scene.forces.back().driver = force.driver;
     scene.forces.back().active = force.active;
     scene.forces.back().variations = variations_of(force);
+    scene.forces.back().warnings = force.warnings;
   }
   for (const ObserverDraft& observer : draft.observers) {
     scene.observers.push_back(component_of<SceneObserver>(observer, draft.source));

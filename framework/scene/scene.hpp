@@ -20,6 +20,7 @@
 #include "framework/core/records/unit_system.hpp"
 #include "framework/core/records/variation.hpp"
 #include "framework/core/text/fault.hpp"
+#include "framework/core/text/warning.hpp"
 #include "framework/core/text/words.hpp"
 #include "framework/scene/motion.hpp"
 
@@ -62,7 +63,8 @@ struct SceneForce : SceneComponent<ForceRecord> {
 
   std::vector<std::size_t> bodies;       ///< indices into Scene::bodies, in the order named
   std::vector<Variation> variations;     ///< its parameters that differ between particles
-  bool driver = false;                   ///< declared to be one, whatever force it is
+  std::vector<Warning> warnings;         ///< of what its record finds odd and not wrong
+  bool driver = false;                   ///< reported under drivers, whatever its type
   std::optional<ActiveSettings> active;  ///< at all times without
 };
 

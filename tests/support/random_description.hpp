@@ -179,7 +179,11 @@ inline std::shared_ptr<void> random_description(const ForceRecord& record,
       if (may_be_left_out(row) && below(random, 2) == 0) continue;
       row.assign(description.get(), random_value(row, arrangement, random));
     }
-    if (record.complaints(description.get(), outline).empty()) return description;
+    const auto found = record.complaints(description.get(), outline);
+    const auto is_fault = [](const Complaint& one) {
+      return kind_of(one.code).severity == Severity::error;
+    };
+    if (std::none_of(found.begin(), found.end(), is_fault)) return description;
   }
   return nullptr;
 }

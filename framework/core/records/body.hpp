@@ -96,9 +96,10 @@ struct Complaint {
   std::string why;
   std::string admissible = {};
   std::string nearest = {};
-  std::optional<std::size_t> column = {};  ///< 0-based, within a formula
-  std::size_t index = 0;                   ///< of the formula in a list of them
-  FaultCode code = FaultCode::component_invalid;
+  std::optional<std::size_t> column = {};         ///< 0-based, within a formula
+  std::size_t index = 0;                          ///< of the formula in a list of them
+  FaultCode code = FaultCode::component_invalid;  ///< of a force: that of a warning, too
+  std::optional<std::size_t> body = {};  ///< of a force: the key is one of this body of its outline
 };
 
 struct BodyRecord : ComponentRecord {

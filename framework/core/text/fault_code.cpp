@@ -110,6 +110,17 @@ constexpr FaultKind kKinds[] = {
      "element kind, number type or boundary condition is needed.",
      "A force between bonds on a body without bonds.",
      "Apply it to another body, or use another component."},
+    {FaultCode::component_no_species, "component.no_species",
+     "The potential has the numbers of one species, and the particles of the body have none: "
+     "whatever they are, they get these numbers.",
+     "A tube without species beside a tersoff with the numbers of carbon.",
+     "Give the body the species that the message names.", Severity::warning},
+    {FaultCode::component_other_units, "component.other_units",
+     "A published set of numbers is in eV and Angstrom, and the scene is in reduced units: masses, "
+     "times and other forces have to be in units that go with these.",
+     "A tersoff with a named set in a scene without units = \"metal\".",
+     "Take units = \"metal\" in [scene], where masses are in g/mol and times in ps.",
+     Severity::warning},
     {FaultCode::body_invalid_coordinates, "body.invalid_coordinates",
      "The coordinates, held axes, prescribed motion or initial state of a body contradict each "
      "other, or particles start nearer to each other than their forces allow for.",
@@ -222,6 +233,14 @@ constexpr FaultKind kKinds[] = {
      "resist it: its force is known no better.",
      "tomlin run pt.toml --set k=1e12 --set 'run.integrator={type=\"radau9\"}'",
      "Use a finer tolerance or a softer spring.", Severity::warning},
+    {FaultCode::run_far_above_barriers, "run.far_above_barriers",
+     "In reduced units the temperature of a bath is more than a hundred times the highest barrier "
+     "of the periodic forces on the body, which it then hardly feels.",
+     "A run in reduced units with temperature = 300 over a corrugation of amplitude 1.",
+     "In reduced units a temperature is an energy: give Boltzmann's constant times the "
+     "temperature, "
+     "or take units = \"metal\", where it is in K.",
+     Severity::warning},
     {FaultCode::run_window_rounding, "run.window_rounding",
      "The window is so short beside the time before its end that the rounding of running integrals "
      "shows in its means.",

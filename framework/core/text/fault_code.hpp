@@ -42,6 +42,8 @@ enum class FaultCode {
   // What is consistent as text and not as physics.
   component_invalid,
   component_unsuitable,
+  component_no_species,
+  component_other_units,
   body_invalid_coordinates,
   box_invalid,
   integrator_unsuitable,
@@ -66,6 +68,7 @@ enum class FaultCode {
   run_no_equilibrium,
   run_no_accuracy,
   run_stiff_driver,
+  run_far_above_barriers,
   run_window_rounding,
   run_window_too_short,
   run_window_not_whole,

@@ -54,20 +54,22 @@ std::vector<Complaint> complaints_of_scene(const KimModelDescription& d,
         "the model is in eV and Angstrom, and the scene's units are reduced ones",
         "units = \"metal\" in [scene]"));
   }
-  for (const SceneOutline::Body& body : scene.bodies) {
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    const SceneOutline::Body& body = scene.bodies[b];
+    const auto complain_of_species = [&](std::string why) {
+      found.push_back(complaint_of_model(std::move(why), words(facts.species)));
+      found.back().key = "species";
+      found.back().body = b;
+    };
     if (body.species.empty()) {
-      found.push_back(
-          complaint_of_model(fmt::format("the particles of \"{}\" have no species", body.name),
-                             "species of the body, from: " + words(facts.species)));
+      complain_of_species(fmt::format("the particles of \"{}\" have no species", body.name));
     }
     for (const std::string& species : body.species) {
       if (std::find(facts.species.begin(), facts.species.end(), species) != facts.species.end()) {
         continue;
       }
-      found.push_back(
-          complaint_of_model(fmt::format("the model has no numbers for {}, which \"{}\" is made of",
-                                         species, body.name),
-                             words(facts.species)));
+      complain_of_species(fmt::format("the model has no numbers for {}, which \"{}\" is made of",
+                                      species, body.name));
     }
   }
   const double reach = facts.reach();

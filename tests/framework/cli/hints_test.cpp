@@ -3,7 +3,7 @@
 
 #include "tests/framework/cli/cli_fixture.hpp"
 
-/// What is said of mistakes that are made often: the cure, not only the symptom.
+/// Messages about frequent mistakes name the cure, not only the symptom.
 namespace tomlin::test {
 namespace {
 
@@ -135,7 +135,7 @@ integrator = { type = "velocity_verlet", dt = 1.0 }
     std::string scene = atoms;
     return scene.replace(scene.find("SPECIES"), 7, name);
   };
-  expect_parts(said_of(of_species("c"), {}), {"species of the body \"atoms\"", "species of C"});
+  expect_parts(said_of(of_species("c"), {}), {"body.atoms.species = \"c\"", "expected: C"});
   write(folder_ / "scene.toml", of_species("C"));
   expect_parts(tomlin({"run", "scene.toml"}).err, {"times are in ps, and 1 fs is 1e-3"});
 }
