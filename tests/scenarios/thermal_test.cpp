@@ -186,6 +186,153 @@ TEST(Thermal, ThePeakForceGrowsWithTheLogarithmOfTheVelocity) {
   EXPECT_GT(slope, 0.6 * without_fluctuations);
 }
 
+/// The slips of an inertial tip by another scheme (OBABO), other random numbers and the definition
+/// of a slip alone, applied to the whole trajectory afterwards.
+class SlippingTip {
+ public:
+  struct Slip {
+    double peak_force = 0.0;
+    double wells = 0.0;
+  };
+
+  /// `apart`: a well that the tip leaves sooner, in periods of the driver, belongs to the same
+  /// slip. Slips before the driver has moved `from` periods are left out.
+  std::vector<Slip> slips(unsigned seed, int periods, int from, double apart) const {
+    constexpr double kEntered = 0.2;  // periods from the barrier: 0.3 before the bottom
+    const std::vector<double> x = trajectory(seed, periods);
+    const auto period = static_cast<std::size_t>(std::llround(1.0 / (v * kStep)));
+    std::vector<std::size_t> entries;  // the step at which each well is first entered
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      while (x[i] > static_cast<double>(entries.size()) + 1.0 + kEntered) entries.push_back(i);
+    }
+    std::vector<Slip> found;
+    Slip slip;
+    std::size_t since = 0;
+    for (std::size_t n = 0; n < entries.size(); ++n) {
+      for (; since < entries[n]; ++since) {
+        slip.peak_force = std::max(slip.peak_force, k * (support(since) - x[since]));
+      }
+      slip.wells += 1.0;
+      const std::size_t next = n + 1 < entries.size() ? entries[n + 1] : x.size();
+      if (static_cast<double>(next - since) < apart * static_cast<double>(period)) continue;
+      if (since >= period * static_cast<std::size_t>(from)) found.push_back(slip);
+      slip = {};
+    }
+    return found;
+  }
+
+  double temperature = 0.0, xi = 0.0, k = 0.0, v = 0.0;
+
+ private:
+  static constexpr double kV0 = 0.1, kStep = 0.05;
+
+  double support(std::size_t i) const { return 0.5 + v * kStep * static_cast<double>(i); }
+
+  std::vector<double> trajectory(unsigned seed, int periods) const {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    const double kept = std::exp(-0.5 * xi * kStep);
+    const double kick = std::sqrt(temperature * (1.0 - kept * kept));
+    std::vector<double> places(static_cast<std::size_t>(periods / (v * kStep)));
+    double x = 0.5;
+    double u = 0.0;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const auto force = [&](std::size_t at) {
+        return k * (support(at) - x) + 2.0 * kPi * kV0 * std::sin(2.0 * kPi * x);
+      };
+      places[i] = x;
+      u = kept * u + kick * normal(random) + 0.5 * kStep * force(i);
+      x += kStep * u;
+      u = kept * (u + 0.5 * kStep * force(i + 1)) + kick * normal(random);
+    }
+    return places;
+  }
+};
+
+/// Largest difference between the distribution functions of two samples, in units of what two
+/// samples of one distribution have (Kolmogorov and Smirnov): above 1.95 for one pair in 1000.
+double kolmogorov_smirnov(std::vector<double> a, std::vector<double> b) {
+  std::sort(a.begin(), a.end());
+  std::sort(b.begin(), b.end());
+  const auto part_below = [](const std::vector<double>& all, double x) {
+    return static_cast<double>(std::upper_bound(all.begin(), all.end(), x) - all.begin()) /
+           static_cast<double>(all.size());
+  };
+  double largest = 0.0;
+  for (const std::vector<double>* one : {&a, &b}) {
+    for (const double x : *one) {
+      largest = std::max(largest, std::abs(part_below(a, x) - part_below(b, x)));
+    }
+  }
+  const auto n = static_cast<double>(a.size());
+  const auto m = static_cast<double>(b.size());
+  return largest * std::sqrt(n * m / (n + m));
+}
+
+/// Peak forces and lengths of slips, of which half are double, over 8 streams of 100 periods each.
+TEST(Thermal, SlipsHaveTheDistributionOfAnIndependentIntegrator) {
+  constexpr int kStreams = 8;
+  constexpr int kFrom = 4;
+  constexpr int kPeriods = 100;
+  constexpr double kMostKolmogorovSmirnov = 1.95;
+  std::vector<Setting> settings = {{"s", "10"},
+                                   {"xi", "0.6"},
+                                   {"T", "0.004"},
+                                   {"v", "3e-3"},
+                                   {"N", std::to_string(kPeriods)},
+                                   {"run.dynamics", "\"inertial\""},
+                                   {"run.integrator", "{ type = \"baoab\", dt = 0.05 }"},
+                                   {"run.stream", ""}};
+  const SlippingTip tip{.temperature = 0.004,
+                        .xi = 0.6,
+                        .k = parameter_of("thermal/tip.toml", "k", {{"s", "10"}}),
+                        .v = 3e-3};
+  struct Slips : RunSink {
+    void begin(const RunLayout& layout) override { (void)layout; }
+    void sample(const std::vector<double>& row) override { (void)row; }
+    void event(const Event& event) override {
+      if (event.kind != EventKind::slip || event.time < from) return;
+      peak_forces.push_back(event.peak_force);
+      wells.push_back(std::round(event.size));
+    }
+    double from = 0.0;
+    std::vector<double> peak_forces, wells;
+  };
+  Slips found;
+  Slips expected;
+  Slips of_single_wells;
+  found.from = kFrom / tip.v;
+  for (int stream = 0; stream < kStreams; ++stream) {
+    settings.back().value = std::to_string(stream);
+    run_shipped("thermal/tip.toml", settings, &found);
+    // A planted fault: each well of a double slip counts as a slip of its own.
+    for (const auto& [apart, slips] :
+         {std::pair{0.1, &expected}, std::pair{0.0, &of_single_wells}}) {
+      const auto seed = static_cast<unsigned>(11 + stream);
+      for (const SlippingTip::Slip& slip : tip.slips(seed, kFrom + kPeriods, kFrom, apart)) {
+        slips->peak_forces.push_back(slip.peak_force);
+        slips->wells.push_back(slip.wells);
+      }
+    }
+  }
+  const auto difference = [](const std::vector<double>& one, const std::vector<double>& other) {
+    const Estimate a = estimate_of(one);
+    const Estimate b = estimate_of(other);
+    return std::abs(a.mean - b.mean) / std::hypot(a.error, b.error);
+  };
+  EXPECT_LT(difference(found.peak_forces, expected.peak_forces), kSigmas);
+  EXPECT_LT(difference(found.wells, expected.wells), kSigmas);
+  EXPECT_LT(kolmogorov_smirnov(found.peak_forces, expected.peak_forces), kMostKolmogorovSmirnov);
+  EXPECT_GT(difference(found.peak_forces, of_single_wells.peak_forces), kSigmas);
+  EXPECT_GT(difference(found.wells, of_single_wells.wells), kSigmas);
+  EXPECT_GT(kolmogorov_smirnov(found.peak_forces, of_single_wells.peak_forces),
+            kMostKolmogorovSmirnov);
+  // The statistical errors are small enough to see a hundredth of the force.
+  const Estimate peak_force = estimate_of(found.peak_forces);
+  EXPECT_LT(kSigmas * peak_force.error, 0.01 * peak_force.mean);
+  EXPECT_GT(estimate_of(found.wells).mean, 1.2);
+}
+
 /// Table I's ring at lambda = 0, rigid, by another scheme and other random numbers: its centre
 /// along x, and its angle. The substrate's energy is V0 S(phi) cos(2 pi x).
 class RingInABath {
