@@ -18,6 +18,7 @@
 #include "framework/output/checksum.hpp"
 #include "framework/output/machine.hpp"
 #include "framework/run/lane_batch.hpp"
+#include "framework/scene/text.hpp"
 #include "framework/study/methods.hpp"
 #include "framework/study/sweep/point_run.hpp"
 
@@ -59,7 +60,7 @@ std::string shape_text(const SweepPlan& plan) {
 std::string settings_text(const SweepPlan& plan, std::size_t point) {
   std::vector<std::string> texts;
   for (const Setting& setting : plan.settings_at(point)) {
-    texts.push_back(setting.path + " = " + setting.value);
+    texts.push_back(setting.path + " = " + shortened(setting.value, kLongestShownValue));
   }
   return fmt::format("{}", fmt::join(texts, ", "));
 }
@@ -151,7 +152,7 @@ std::string remarks(const SweepPlan& plan, const SweepCounts& counts) {
                              settings_text(plan, counts.point_without_numbers), counts.reason));
   }
   for (const auto& [code, warned] : counts.warnings) {
-    text += result_row("warning", fmt::format("{} at {} points, the first is {}", id_of(code),
+    text += result_row("warning", fmt::format("{} at {} points, first: point {}", id_of(code),
                                               warned.points, warned.first));
   }
   return text;

@@ -1,8 +1,10 @@
 #include <chrono>
 #include <csignal>
+#include <cstddef>
 #include <exception>
 #include <new>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -35,7 +37,22 @@ bool has_default_handler() {
   return signal.attr("getsignal")(SIGINT).is(signal.attr("default_int_handler"));
 }
 
-py::dict dict_of(const Fault& fault) {
+/// Options of the program as the arguments of functions that they are here.
+Fault with_arguments(Fault fault) {
+  static constexpr std::pair<std::string_view, std::string_view> kArguments[] = {
+      {"--force", "force=True"}, {"--resume", "resume=True"}};
+  for (std::string* text : {&fault.place.file, &fault.why, &fault.admissible}) {
+    for (const auto& [option, argument] : kArguments) {
+      const std::size_t at = text->find(option);
+      if (at != std::string::npos) text->replace(at, option.size(), argument);
+    }
+  }
+  if (fault.place.file == "-o") fault.place.file = "folder=";
+  return fault;
+}
+
+py::dict dict_of(const Fault& from) {
+  const Fault fault = with_arguments(from);
   py::dict all;
   all["code"] = std::string(id_of(fault.code));
   all["file"] = text_of(fault.place.file);

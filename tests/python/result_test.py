@@ -139,10 +139,13 @@ def test_folder_open_resume_force(tip, tmp_path):
     with pytest.raises(tomlin.SceneError) as raised:
         tip.run(folder=folder)
     assert raised.value.faults[0].code.startswith("file.")
+    assert "force=True" in str(raised.value) and str(raised.value).startswith("folder=")
+    assert "--" not in str(raised.value)
     again = tip.run(folder=folder, resume=True)  # over already
     assert again["driver.mean_force.x"] == result["driver.mean_force.x"]
-    with pytest.raises(tomlin.SceneError):
+    with pytest.raises(tomlin.SceneError) as raised:
         tip.set("v", 0.02).run(folder=folder, resume=True)
+    assert "force=True" in str(raised.value) and "--" not in str(raised.value)
     assert tip.set("v", 0.02).run(folder=folder, force=True).status == "finished"
     with pytest.raises(tomlin.QuantityError) as raised:
         opened["driver.mean_farce.x"]

@@ -1,8 +1,12 @@
 #include "framework/core/text/fault.hpp"
 
+#include <algorithm>
+#include <cstddef>
 #include <utility>
 
 #include <fmt/format.h>
+
+#include "framework/core/text/utf8.hpp"
 
 namespace tomlin {
 namespace {
@@ -12,6 +16,23 @@ std::string joined(const std::vector<Fault>& faults) {
   for (const Fault& fault : faults) {
     if (!text.empty()) text += '\n';
     text += to_string(fault);
+  }
+  return text;
+}
+
+/// Words that are longer than any name or path, as of a file that was given for a name, are cut.
+std::string with_short_words(std::string text) {
+  constexpr std::size_t kLongestBytes = 1000;
+  constexpr std::size_t kShownBytes = 60;
+  for (std::size_t begin = 0; begin < text.size();) {
+    std::size_t end = std::min(text.find(' ', begin), text.size());
+    if (end - begin > kLongestBytes) {
+      std::size_t cut = begin + kShownBytes;
+      while (is_utf8_continuation(text[cut])) --cut;
+      text.replace(cut, end - cut, "...");
+      end = cut + 3;
+    }
+    begin = end + 1;
   }
   return text;
 }
@@ -30,10 +51,10 @@ std::string to_string(const Fault& fault) {
     text += ": ";
   }
   text += fault.why;
-  if (!fault.admissible.empty()) text += "; admissible: " + fault.admissible;
+  if (!fault.admissible.empty()) text += "; expected: " + fault.admissible;
   if (!fault.nearest.empty()) text += "; did you mean \"" + fault.nearest + "\"?";
   text += fmt::format(" [{}]", id_of(fault.code));
-  return text;
+  return with_short_words(std::move(text));
 }
 
 InputError::InputError(std::vector<Fault> faults)

@@ -39,7 +39,7 @@ struct Fault {
   std::string nearest;     ///< nearest valid name; empty when there is none
 };
 
-/// `FILE:LINE:COLUMN: error: KEY = VALUE: why; admissible: ...; did you mean "..."? [CODE]`
+/// `FILE:LINE:COLUMN: error: KEY = VALUE: why; expected: ...; did you mean "..."? [CODE]`
 std::string to_string(const Fault& fault);
 
 /// Bad input: thrown once by whatever reads input, with every fault found.

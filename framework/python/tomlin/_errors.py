@@ -111,7 +111,7 @@ def no_such_name(name: str, known: Iterable[str], owner: str) -> QuantityError:
     nearest = next(iter(difflib.get_close_matches(name, names, 1)), "")
     why = f"the {owner} has no such name"
     admissible = ", ".join(names[:20]) + (", ..." if len(names) > 20 else "")
-    hint = f'; did you mean "{nearest}"?' if nearest else f"; admissible: {admissible}"
+    hint = f'; did you mean "{nearest}"?' if nearest else f"; expected: {admissible}"
     return QuantityError([Fault("observable.unknown", owner, 0, 0, name, "", why, admissible, nearest,
                                 f"{owner}: error: {name}: {why}{hint}")])
 

@@ -58,7 +58,7 @@ def value_text(value: Any, key: str = "") -> str:
         return "[" + ", ".join(value_text(one, key) for one in value) + "]"
     where = f"{key} = " if key else ""
     raise TypeError(f"{where}{value!r}: a scene has no values of type {type(value).__name__}; "
-                    "admissible: numbers, texts, paths, True, False, lists, arrays and dicts")
+                    "expected: numbers, texts, paths, True, False, lists, arrays and dicts")
 
 
 def _below(key: str, name: Any) -> str:

@@ -93,7 +93,7 @@ trajectory = true
 /// What it says would do does.
 TEST_F(Cli, TheIntervalThatFitsIsTaken) {
   const Ended refused = tomlin({"explain", "tip.toml", "--set", "output.every=1e-9"});
-  const std::string admissible = "admissible: >= ";
+  const std::string admissible = "expected: >= ";
   const auto at = refused.out.find(admissible);
   ASSERT_NE(at, std::string::npos) << refused.out;
   const std::string every = refused.out.substr(at + admissible.size(), 12);
@@ -101,6 +101,54 @@ TEST_F(Cli, TheIntervalThatFitsIsTaken) {
       tomlin({"explain", "tip.toml", "--set", "output.every=" + every.substr(0, every.find(','))});
   EXPECT_EQ(taken.status, 0) << taken.err;
   EXPECT_FALSE(contains(taken.out, "refused")) << taken.out;
+}
+
+/// A word of 1e5 characters, wherever a word can be given, is not printed whole.
+TEST_F(Cli, LongWordsAreShownByTheirBeginning) {
+  constexpr std::size_t kLongest = 3000;  // characters of all faults of a command together
+  const std::string word(100000, 'x');
+  std::string other_name = kTip;
+  const std::size_t at = other_name.find("\"tip\"");
+  ASSERT_NE(at, std::string::npos);
+  other_name.replace(at + 1, 3, word);
+  other_name += "[[force]]\ntype = \"constant_force\"\nbody = \"nothing\"\nforce = [1.0]\n";
+  write(folder_ / "long.toml", other_name);
+  const std::vector<std::string> sweep = {
+      "sweep", "tip.toml", "--over", "v=1,2", "--observable", "driver.mean_force.x", "-o", "s"};
+  const auto swept = [&](const std::string& option) {
+    std::vector<std::string> all = sweep;
+    all.insert(all.end(), {option, word});
+    return all;
+  };
+  const std::vector<std::vector<std::string>> commands = {
+      {word},
+      {"run", word},
+      {"run", "long.toml"},
+      {"run", "tip.toml", word},
+      {"run", "tip.toml", "-o", word},
+      {"run", "tip.toml", "--" + word},
+      {"run", "tip.toml", "--threads", word},
+      {"run", "tip.toml", "--set", word},
+      {"run", "tip.toml", "--set", word + "=1"},
+      {"run", "tip.toml", "--set", "v=" + word},
+      {"run", "tip.toml", "--set", "measure.observables=[\"" + word + "\"]"},
+      {"run", "tip.toml", "--plugin", word},
+      {"describe", word},
+      {"new", word},
+      {"new", "plugin", word},
+      {"export", "tip.toml", "--to", word},
+      {"tradeoff", "tip.toml", "--observable", word},
+      {"merge", word},
+      {"plot", word},
+      swept("--zip"),
+      swept("--refine"),
+      swept("--observable")};
+  for (const std::vector<std::string>& command : commands) {
+    const Ended ended = tomlin(command);
+    EXPECT_EQ(ended.status, 2) << command.front();
+    EXPECT_LT(ended.err.size(), kLongest) << ended.err.substr(0, kLongest);
+    EXPECT_FALSE(ended.err.empty()) << command.front();
+  }
 }
 
 TEST_F(Cli, VersionIsANumber) {

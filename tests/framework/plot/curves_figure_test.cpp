@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -133,6 +134,21 @@ TEST_F(CurvesFigure, UnitsAreThoseThatTheSceneNames) {
   first_.units = {{"length", "a"}, {"force", "V_0/a"}, {"time", "t_0"}};
   const Fault unlike = refusal({"driver_position", {{"force"}}, {}, {}, {}});
   EXPECT_EQ(test::brief(unlike), "scene.axes [command.conflict]");
+  // Each folder is named with the unit that it has, in either order.
+  first_.units["length"] = "nm";
+  second_.system = UnitSystem::metal;
+  for (int k = 0; k < 2; ++k) {
+    const Fault fault = refusal({"driver_position", {{"force"}}, {}, {}, {}});
+    const bool metal_is_second = second_.system == UnitSystem::metal;
+    EXPECT_TRUE(fault.place.file.starts_with(second_.folder)) << fault.place.file;
+    const std::string own = metal_is_second ? "\u00C5" : "nm";
+    const std::string other = metal_is_second ? "nm" : "\u00C5";
+    EXPECT_TRUE(fault.why.starts_with(own + " for the unit of length")) << fault.why;
+    EXPECT_TRUE(fault.why.ends_with(other + " of " + first_.folder)) << fault.why;
+    std::swap(first_, second_);
+  }
+  second_.system = UnitSystem::reduced;
+  first_.units["length"] = "a";
   second_.units = first_.units;
   Figure figure = drawn({"driver_position", {{"force"}}, {}, {}, {}});
   EXPECT_EQ(figure.panels[0].y_label.text, "lateral force {/:Italic F_x} / (V_0/a)");
