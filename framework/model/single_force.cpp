@@ -25,7 +25,8 @@ SceneForce as_force(SceneForce force) {
   return force;
 }
 
-/// Without the motion of bodies that the force does not act on: it is no part of the force's state.
+/// The scene with all bodies at rest that the force does not act on: their motion is no part of the
+/// force's state.
 Scene with_others_at_rest(Scene scene, std::size_t force) {
   const std::vector<std::size_t>& own = scene.forces[force].bodies;
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) {

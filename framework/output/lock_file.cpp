@@ -30,7 +30,7 @@ struct Holder {
   pid_t process = 0;
   std::string machine;
 
-  /// Where that can be known.
+  /// Whether the process that wrote the file has ended; false where this cannot be known.
   bool has_ended() const {
     return process > 0 && machine == name_of_this_machine() && ::kill(process, 0) != 0 &&
            errno == ESRCH;

@@ -19,7 +19,7 @@ constexpr double kPartOfPeriod = 1e-3;
 constexpr double kLag = 0.1;
 /// In periods: a window that begins before a slip and ends after one is no better known.
 constexpr double kLagInPeriods = 1.0;
-/// As a part of the driver's way, where no force has a period: between slips of unknown length a
+/// Largest lag as a part of the driver's displacement, where no force has a period: between slips of unknown length a
 /// body that follows its driver may be behind by much of a window.
 constexpr double kLagWithoutPeriod = 0.5;
 /// Slips that a mean is taken of.

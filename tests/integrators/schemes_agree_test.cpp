@@ -20,12 +20,12 @@
 namespace tomlin::test {
 namespace {
 
-/// Of what moves in a run, by which schemes may differ: those of first order differ most, by about
+/// Schemes may differ by this part of the displacement in a run: those of first order differ most, by about
 /// a third of this at kStep.
 constexpr double kTolerance = 1e-2;
 /// Quasistatic paths are compared with slow ones, which lag behind by about this part.
 constexpr double kToleranceOfSlow = 5e-2;
-/// Of adaptive schemes, and the steps of the others as parts of the run.
+/// Tolerance of adaptive schemes, and the steps of the others as parts of the run.
 constexpr double kAdaptive = 1e-7;
 constexpr double kStep = 1e-3;
 

@@ -114,7 +114,7 @@ ForceUnderTest::Terms ForceUnderTest::terms(const State& state) {
       for (const std::size_t at : hidden.at) use(hidden, at);
     }
   };
-  // By the force's own kernels: what they leave to sum up is not among it.
+  // The force's own kernels are run; the sums that they leave to others are not counted.
   const auto acting = [&] {
     all([&](const Hidden& hidden, std::size_t at) { force_of(hidden, at) = 0.0; });
     for (const Pass<double>& pass : passes_) {

@@ -262,7 +262,7 @@ std::optional<double> error_of(const RunResult& result, const std::string& key) 
 /// Standard errors from strokes and loops agree with the scatter of means over streams.
 TEST(FrictionLoop, HasStandardErrorsInNoise) {
   constexpr int kStreams = 24;
-  // Of 24 streams the scatter has a standard deviation of 1 in 7, and of 12 loops 1 in 5 each.
+  // The scatter of 24 streams has a standard deviation of 1 in 7, that of 12 loops 1 in 5 each.
   constexpr double kLeastRatio = 0.6;
   constexpr double kMostRatio = 1.7;
   std::vector<RunResult> results;

@@ -162,7 +162,7 @@ TEST(UncontrolledIntegrals, OfAForceThatJumps) {
         "force = [\"0.3 - step(sin(2*pi*x))\"]\n" +
         slow_body(true) + run_of({"dopri5", tolerance}));
     ASSERT_EQ(found.status, RunStatus::finished);
-    // Of 6.84 periods from 0.62 to 7.46 the sine is positive in 6 halves and 0.46 of a period.
+    // In the 6.84 periods from 0.62 to 7.46 the sine is positive in 6 halves and 0.46 of a period.
     const double mean = 0.3 - (6 * 0.5 + 0.46) / (kVelocity * (kTo - kFrom));
     EXPECT_NEAR(std::abs(found.group("drivers", "moved")["mean_force"][0]), std::abs(mean),
                 kTolerancesOfMeans * tolerance);

@@ -48,7 +48,7 @@ TEST(Window, InWhichTheBodyHasNotFollowedIsWarnedOf) {
   EXPECT_EQ(warnings_of(tip(0.0, 40.0, 0.02)), Briefs{"drivers.driver [run.window_not_steady]"});
 }
 
-/// The same where no force has a period: a body that creeps behind its driver.
+/// A body that creeps behind its driver is reported where no force has a period, too.
 TEST(Window, InWhichTheBodyHasNotFollowedIsWarnedOfWithoutAPeriod) {
   const auto found = [](double coefficient) {
     return briefs(run_text(R"(
