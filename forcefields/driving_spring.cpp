@@ -50,7 +50,7 @@ std::vector<Complaint> complaints(const Description& d, const SceneOutline& scen
   return found;
 }
 
-/// Either kind of bound spring, with a pulled end that follows from the time alone.
+/// Either kind of bound spring, with a support that follows from the time alone.
 template <class Base, class Real, int D>
 class Driven : public Base, public PulledEnd {
  public:
@@ -87,7 +87,7 @@ class Driven : public Base, public PulledEnd {
 
   bool depends_on_time() const override { return true; }
 
-  /// In lanes the pulled end follows from the time in a kernel, unless it may reverse.
+  /// In lanes the support follows from the time in a kernel, unless it may reverse.
   std::vector<Pass<Real>> passes() override {
     std::vector<Pass<Real>> all = Base::passes();
     if constexpr (std::is_same_v<Real, double>) {
@@ -165,7 +165,7 @@ class Driven : public Base, public PulledEnd {
 
  private:
   /// Of the control: the sign of the velocity (0: it has not set out), how often it may still turn,
-  /// when it last did, and how far the pulled end had come by then, high and low parts.
+  /// when it last did, and how far the support had come by then, high and low parts.
   enum { kSign, kTimesLeft, kSince, kTravel = kSince + 2 };
 
   void keep_since(const DoubleDouble& time) {
@@ -226,7 +226,7 @@ double stiffness_on(const Description& d, int axis) {
 ForceRecord driving_spring_record() {
   auto record = record_of<Description>();
   record.name = "driving_spring";
-  record.summary = "a spring whose far end is pulled at constant velocity";
+  record.summary = "a spring whose support moves at constant velocity";
   record.equation =
       "F = stiffness * (start + velocity * t - x), axis by axis, on the attached point x";
   record.source =
@@ -245,12 +245,12 @@ ForceRecord driving_spring_record() {
                 "along which the spring acts: \"x\", \"y\", \"z\"; all by default")
           .one_of({"x", "y", "z"})
           .or_absent(),
-      parameter("velocity", &Description::velocity, dimension::velocity, "of the pulled end"),
+      parameter("velocity", &Description::velocity, dimension::velocity, "of the support"),
       parameter("attach", &Description::attach, dimension::none,
                 "\"centre_of_mass\", \"each_particle\" or { particle = i }")
           .by_default(Attachment{}),
       parameter("start", &Description::start, dimension::length,
-                "position of the pulled end when the spring becomes active, at t = 0 without "
+                "position of the support when the spring becomes active, at t = 0 without "
                 "`active`; the attached point by default")
           .or_absent(),
       parameter("reverse", &Description::reverse, dimension::none,

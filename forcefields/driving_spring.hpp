@@ -4,7 +4,7 @@
 #include "framework/core/records/parameter.hpp"
 #include "framework/core/records/registry.hpp"
 
-/// A spring whose far end is pulled at constant velocity.
+/// A spring whose support moves at constant velocity.
 ///
 ///   X(t) = X0 + V t;   F_d = k_d (X_d - x_d);   V_spring = sum over axes (k_d/2) (X_d - x_d)^2;
 ///   power in = F.V
@@ -12,7 +12,7 @@
 ///   k   stiffness  mass/time^2, one for all axes or one per axis, where 0 leaves that axis free;
 ///                  with attach = "each_particle" that of each particle's spring
 ///       axes       along which the spring acts; all by default
-///   V   velocity   of the pulled end, per axis
+///   V   velocity   of the support, per axis
 ///   X0  start      the attached point at t = 0 by default (for each particle its own); where the
 ///                  spring is active from a time t0 on, the attached point then, and X0 + V (t -
 ///                  t0)
@@ -50,7 +50,7 @@ struct DrivingSpring {
   struct Parameters {
     Vec<T, D> stiffness;
     Vec<T, D> velocity;
-    Vec<T, D> travel;  ///< of the pulled end up to the start of this step, less the origin's
+    Vec<T, D> travel;  ///< of the support up to the start of this step, less the origin's
   };
 
   template <class T, int D>
@@ -89,7 +89,7 @@ struct DrivingSpring {
     return force;
   }
 
-  /// Of the pulled end, on the spring.
+  /// Of the support, on the spring.
   template <class T, int D>
   static T power(const Parameters<T, D>& p, const Site<T, D>&, const Vec<T, D>& force) {
     return dot(force, p.velocity);

@@ -28,14 +28,12 @@ ForceRecord langevin_record() {
       "P. Langevin, C. R. Acad. Sci. (Paris) 146 (1908) 530; R. Kubo, Rep. Prog. Phys. 29 (1966) "
       "255, doi:10.1088/0034-4885/29/1/306";
   record.traits_of = of_description<&traits_at_temperature>;
-  record.parameters = {
-      parameter("coefficient", &Description::coefficient, dimension::friction,
-                "mass/time, per particle (not the rate, which is 1/time)")
-          .in(non_negative),
-      parameter("temperature", &Description::temperature, dimension::temperature,
-                "of the bath; in reduced units an energy: Boltzmann's constant times the "
-                "temperature")
-          .in(non_negative)};
+  record.parameters = {parameter("coefficient", &Description::coefficient, dimension::friction,
+                                 "mass/time, per particle (not the rate, which is 1/time)")
+                           .in(non_negative),
+                       parameter("temperature", &Description::temperature, dimension::temperature,
+                                 "k_B T in reduced units, an energy; K in metal units")
+                           .in(non_negative)};
   record.example = R"(# A tip in a thermal bath, pulled over a corrugated surface.
 [[body]]
 type = "point"

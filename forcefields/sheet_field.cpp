@@ -247,9 +247,9 @@ ForceRecord sheet_field_record() {
                                 "as of lennard_jones; there is \"smooth\" only")
           .by_default(AtCutoff::smooth),
       parameter("tolerance", &Description::tolerance, dimension::none,
-                "largest error of the energy of a particle, in parts of the depth of its well over "
-                "the sheet, and of its force, in parts of the largest attraction; in the "
-                "repulsion, where both are larger, in parts of the largest ones at that height")
+                "largest error of the energy of a particle relative to the depth of its well over "
+                "the sheet, and of its force relative to the largest attraction; in the repulsive "
+                "region relative to the largest value at that height")
           .in({.low = 1e-8, .high = 0.1})};
   record.example = R"(# An atom pulled over graphene at the height that it takes by itself.
 [scene]

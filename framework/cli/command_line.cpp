@@ -73,7 +73,7 @@ observables.csv with the friction trace, and scene.toml, the scene with every de
 
   tomlin run --help            how to change parameters and choose the folder
   tomlin explain pt.toml       its scales, its regime, the stable step, what a run costs
-  tomlin check pt.toml         is the scene valid, and do its forces what they declare
+  tomlin check pt.toml         validates the scene and verifies what its forces declare
   tomlin new pt|fk|ring        a commented scene to start from
   tomlin describe expression   a user-defined force as a formula in the scene
   tomlin new plugin NAME       a user-defined force in C++, with its test
@@ -86,7 +86,7 @@ observables.csv with the friction trace, and scene.toml, the scene with every de
   tomlin tradeoff pt.toml --observable driver.mean_force.x
                                measure the cost of accuracy and find the cheapest setting
 
-Exit status: 0 done; 1 a run or a check failed; 2 the input was not right, and nothing was done.)";
+Exit status: 0 done; 1 a run or a check failed; 2 invalid input; nothing was done.)";
 
 /// CLI11 has one kind of error for too few values and for too many.
 FaultCode code_of(const CLI::ParseError& error) {

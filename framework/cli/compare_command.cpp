@@ -53,8 +53,8 @@ DIR then holds
   compare.json      the same, with notes and warnings
   compare.svg       the forces of the drivers over their way, when there is gnuplot
 
-Exit status: 0 done; 1 a run failed, or the results could not be written; 2 the input was not right,
-and nothing was written; 130 or 143 after an interrupt.)";
+Exit status: 0 done; 1 a run failed, or the results could not be written; 2 invalid input;
+nothing was written; 130 or 143 after an interrupt.)";
 
 constexpr const char* kDefaultFolder = "compare.out";
 constexpr const char* kCsvFile = "compare.csv";

@@ -202,7 +202,7 @@ void add_warning_of_room(Explanation& explanation) {
     for (const Fault& fault : error.faults()) {
       explanation.warnings.push_back(
           {fault.code,
-           fmt::format("the run is refused: {}; admissible: {}", fault.why, fault.admissible),
+           fmt::format("the run is refused: {}; expected: {}", fault.why, fault.admissible),
            "output.every"});
     }
   }

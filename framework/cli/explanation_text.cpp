@@ -117,9 +117,9 @@ void add_built(Forms& forms, const Explanation& e) {
     forms.json["left_out"].push_back(Json{{"force", force}, {"why", why}});
     forms.text.row(force, why);
   }
-  forms.text.section("not built, since not asked for");
+  forms.text.section("available, but off");
   for (const Explanation::Part& part : e.parts) {
-    if (!part.built) forms.text.row(part.name, "off: " + part.note);
+    if (!part.built) forms.text.row(part.name, part.note);
   }
 }
 
@@ -196,7 +196,7 @@ void add_frequencies(Sections& sections, const Scales& scales) {
   if (damping.regime == Regime::no_oscillation) return;
   std::string ratio;
   if (damping.regime != Regime::undamped) {
-    ratio = fmt::format(": {} times the critical damping 2 omega = {} of {}",
+    ratio = fmt::format(": damping ratio {}, the rate over the critical one, 2 omega = {} of {}",
                         text_of(damping.rate / damping.critical), text_of(damping.critical),
                         damping.oscillator);
   }
@@ -441,11 +441,11 @@ void add_output(Forms& forms, const Explanation& e) {
   std::string store;
   if (size.store > 0.0) store = fmt::format(", {} {} likewise", kStoreFile, bytes_text(size.store));
   if (size.journal > 0.0) journal = fmt::format("{} {}, ", kJournalFile, bytes_text(size.journal));
-  text.row("on the way", fmt::format("{}{} {} and the next beside it{}", journal, kCheckpointFile,
-                                     bytes_text(size.checkpoint), store));
-  text.row("room", std::isfinite(e.output.room)
-                       ? bytes_text(e.output.room) + " in the current folder"
-                       : std::string("not known"));
+  text.row("temporary files", fmt::format("{}{} {} and the next beside it{}", journal,
+                                          kCheckpointFile, bytes_text(size.checkpoint), store));
+  text.row("free disk space", std::isfinite(e.output.room)
+                                  ? bytes_text(e.output.room) + " in the current folder"
+                                  : std::string("not known"));
 }
 
 void add_all(Forms& forms, const Explanation& e) {
@@ -482,9 +482,11 @@ std::string explanation_text(const Explanation& e) {
   Forms forms{json, text};
   add_all(forms, e);
   return fmt::format(
-             "{}: {} dimension{}, {} dynamics, {} numbers, {}\n\n", title_of(scene),
+             "{}: {} dimension{}, {} dynamics, {} precision, {}\n\n", title_of(scene),
              scene.dimension, scene.dimension == 1 ? "" : "s", to_string(scene.run.dynamics),
-             to_string(scene.run.number_type),
+             scene.run.number_type == NumberType::single_precision
+                 ? "single"
+                 : to_string(scene.run.number_type),
              scene.units == UnitSystem::metal ? "metal units (eV, A, ps, u, K)" : "reduced units") +
          text.text();
 }

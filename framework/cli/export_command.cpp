@@ -41,7 +41,7 @@ Examples:
   cd tube.lammps && lmp -in in.lmp -var steps 0
       the energy and the forces at the start alone.
 
-Exit status: 0 done; 1 the files could not be written; 2 the input was not right, and nothing was
+Exit status: 0 done; 1 the files could not be written; 2 invalid input; nothing was
 written.)";
 
 void add_options(CLI::App& parser, ExportArguments& arguments) {

@@ -62,7 +62,7 @@ killed is continued by the same command.
 Two folders with different rows for the same point are refused: the same program gives the same rows.
 
 Exit status: 0 every point has a row; 1 points are missing, or the results could not be written; 2
-the input was not right, and nothing was written; 130 or 143 after an interrupt.)";
+invalid input; nothing was written; 130 or 143 after an interrupt.)";
 
 void add_options(CLI::App& parser, MergeArguments& arguments) {
   parser.add_option("DIR", arguments.folders, "the folders of the shards")
@@ -70,7 +70,7 @@ void add_options(CLI::App& parser, MergeArguments& arguments) {
       ->required();
   add_output_option(parser, arguments.into, "DIR", "folder for the results")->required();
   add_force_option(parser, arguments.force,
-                   "begin anew in DIR; only files that tomlin writes are replaced");
+                   "start over in DIR; only files that tomlin writes are replaced");
   parser.add_flag("--quiet", arguments.quiet, "print errors only");
 }
 

@@ -44,7 +44,7 @@ Examples:
   tomlin new plugin my_force     writes the folder my_force
   tomlin new plugin my_law --pairs   a force between particles, with a cutoff
 
-Exit status: 0 done; 1 the file could not be written; 2 the input was not right.)";
+Exit status: 0 done; 1 the file could not be written; 2 invalid input.)";
 
 [[noreturn]] void refuse(Fault fault) { throw InputError({std::move(fault)}); }
 

@@ -145,7 +145,7 @@ Examples:
   tomlin plot k_2.out k_8.out hysteresis -o loops.pdf
       two runs on the same axes.
   tomlin plot ring.out --y force_size --y position --y height --from 2 --to 4 -o steps.svg
-      three panels over v t from 2 to 4.
+      three panels versus v t from 2 to 4.
   tomlin plot ring.out ring --at 2500,3000,3500 -o places.png
       a ring at three times.
   tomlin plot v_1.out v_2.out ring --x driver_position --at 2,2.5,3 -o places.svg
@@ -167,7 +167,7 @@ Examples:
 gnuplot 5.4 draws (Debian: gnuplot-nox); TOMLIN_GNUPLOT names another one than the one in PATH. An
 earlier FILE is replaced. The same runs give the same SVG.
 
-Exit status: 0 done; 1 gnuplot failed or FILE could not be written; 2 the input was not right, or
+Exit status: 0 done; 1 gnuplot failed or FILE could not be written; 2 invalid input, or
 there is no gnuplot.)";
 
 void add_line(std::string& text, std::string_view name, std::string_view summary) {

@@ -12,6 +12,7 @@
 
 #include "framework/cli/sections.hpp"
 #include "framework/output/references.hpp"
+#include "framework/run/observables.hpp"
 #include "framework/run/results.hpp"
 #include "framework/scene/title.hpp"
 
@@ -118,9 +119,12 @@ std::string about(const AccuracyResult& accuracy) {
   return fmt::format("{:g} asked: {}{}", accuracy.asked, accuracy.integrator, by);
 }
 
-/// "driver.mean_force.x +/- 3e-7", of the mean forces; of a driver that reverses, of its loops.
+/// "drivers.driver.mean_force.x = 0.316 +- 0.011 (standard error)", of the mean forces; of a driver
+/// that reverses, of its loops.
 std::vector<std::string> shown_errors(const RunResult& result, UnitSystem units) {
   std::vector<std::string> shown;
+  const std::vector<Observable> all = observables(result);
+  const char* kind = result.accuracy ? "estimated error" : "standard error";
   for (const ErrorEstimate& estimate : result.errors) {
     const auto is_mean_of_loops = [&](const ResultGroup& driver) {
       return has_loops(driver) &&
@@ -134,10 +138,13 @@ std::vector<std::string> shown_errors(const RunResult& result, UnitSystem units)
                        estimate.path.find(".mean_velocity.") != std::string::npos ||
                        estimate.path.ends_with(".temperature");
     if (!estimate.error || !shows) continue;
-    const ResultQuantity* quantity = quantity_at(estimate.path);
-    shown.push_back(
-        fmt::format("{} within {:.1e}{}", estimate.path, *estimate.error,
-                    quantity == nullptr ? "" : unit_behind(units, quantity->dimension)));
+    const auto of = std::find_if(all.begin(), all.end(), [&](const Observable& one) {
+      return one.path == estimate.path && one.value;
+    });
+    if (of == all.end()) continue;
+    shown.push_back(fmt::format("{} = {} +- {:.2g}{} ({})", estimate.path, text_of(*of->value),
+                                *estimate.error, unit_behind(units, of->quantity->dimension),
+                                kind));
   }
   return shown;
 }
@@ -164,12 +171,13 @@ void add_groups(Sections& sections, const Scene& scene, const RunResult& result,
 std::string result_text(const Scene& scene, const RunResult& result, const std::string& where) {
   Sections sections;
   sections.section(title_of(scene));
-  const std::string refused =
-      result.refused_steps > 0 ? fmt::format(" ({} refused)", result.refused_steps) : "";
+  const std::string rejected =
+      result.refused_steps > 0 ? fmt::format(" ({} rejected)", result.refused_steps) : "";
   const std::string time = unit_behind(scene.units, dimension::time);
-  sections.row(to_string(result.status),
-               fmt::format("at time {:.9g}{} after {} steps{}, {} force evaluations",
-                           result.end_time, time, result.steps, refused, result.force_evaluations));
+  sections.row(
+      to_string(result.status),
+      fmt::format("at time {:.9g}{} after {} steps{}, {} force evaluations", result.end_time, time,
+                  result.steps, rejected, result.force_evaluations));
   const std::string threads = result.threads > 1 ? fmt::format(", {} threads", result.threads) : "";
   sections.row("speed",
                fmt::format("{:.3g} s, {:.3g} steps/s, {}{}", result.wall_seconds,

@@ -73,7 +73,7 @@ checkpoint to the same bits as one that was left alone. The scene must be the sa
 version of tomlin.
 
 Exit status: 0 done; 1 the run failed numerically (the message says when, where and why) or its
-results could not be written; 2 the input was not right, and nothing was written; 130 or 143 after
+results could not be written; 2 invalid input; nothing was written; 130 or 143 after
 an interrupt.)";
 
 constexpr const char* kPluginFooter = R"(

@@ -141,7 +141,7 @@ points with a row are not run again, those with a checkpoint resume from it, and
 bytes of a sweep that was left alone.
 
 Exit status: 0 every point has a row; 1 the results could not be written, or every point was refused;
-2 the input was not right, and nothing was written; 130 or 143 after an interrupt.)";
+2 invalid input; nothing was written; 130 or 143 after an interrupt.)";
 
 std::string default_sweep_folder(const std::string& scene_file,
                                  const std::optional<SweepPart>& shard) {
@@ -193,7 +193,7 @@ void add_options(CLI::App& parser, SweepArguments& arguments) {
   parser.add_flag("--dry-run", arguments.dry_run,
                   "only show how many points there are and what they cost");
   add_force_option(parser, arguments.force,
-                   "begin anew in DIR; only files that tomlin writes are replaced");
+                   "start over in DIR; only files that tomlin writes are replaced");
   parser.add_flag("--quiet", arguments.quiet, "print errors only");
 }
 

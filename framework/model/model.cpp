@@ -293,7 +293,7 @@ double Model::energy_of(const Force& force, const DoubleDouble& time) {
   return energy;
 }
 
-/// The pulled end of a driver that has become active moves from here on: from where the spring has
+/// The support of a driver that has become active moves from here on: from where the spring has
 /// no force, unless its place is given.
 void Model::set_out(const Force& force, const DoubleDouble& time) {
   PulledEnd* const end = pulled_end_of(force.bound.get());

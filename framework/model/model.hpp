@@ -123,7 +123,7 @@ class Model {
   /// A place relative to the origin in the scene's own coordinates: cells added back.
   DoubleDouble placed(int axis, double offset) const { return origin_place_[axis] + offset; }
 
-  /// Where the pulled end of a driver of steady velocity is, in the scene's own coordinates, at a
+  /// Where the support of a driver of steady velocity is, in the scene's own coordinates, at a
   /// time since which its velocity has not changed.
   DoubleDouble pulled_end(std::size_t driver, const DoubleDouble& time, int axis) const;
 

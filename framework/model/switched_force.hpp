@@ -114,7 +114,7 @@ class SwitchedForce final : public BoundForce<Real> {
   std::deque<GatedFlow> flows_;
 };
 
-/// The pulled end of a force that has one, and may be switched; else null.
+/// The support of a force that has one, and may be switched; else null.
 template <class Real>
 PulledEnd* pulled_end_of(BoundForce<Real>* force) {
   if (auto* const switched = dynamic_cast<SwitchedForce<Real>*>(force)) force = &switched->inner();

@@ -58,7 +58,8 @@ std::string sizes(const Scene& scene, const OutputSize& size) {
     const bool xyz = scene.output.trajectory_format == TrajectoryFormat::xyz;
     text += fmt::format(", {} of {}", bytes_text(size.trajectory), xyz ? kXyzFile : kH5mdFile);
   }
-  return text + fmt::format(" and {} of {} on the way", bytes_text(size.journal), kJournalFile);
+  return text +
+         fmt::format(" and {} of {}, a temporary file", bytes_text(size.journal), kJournalFile);
 }
 
 std::string room_text(double room) {

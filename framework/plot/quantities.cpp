@@ -18,7 +18,7 @@ namespace {
 constexpr std::array kQuantities = {
     Quantity{"time", "time", "{/:Italic t}", Owner::nobody, "time", Measure::component, "time"},
     Quantity{"driver_position", "driver position", "{/:Italic vt}", Owner::driver, "position.x",
-             Measure::component, "where the driver's pulled end is along x: v t"},
+             Measure::component, "where the driver's support is along x: v t"},
     Quantity{"force", "lateral force", "{/:Italic F_x}", Owner::driver, "force.x",
              Measure::component, "x component of the driver's force"},
     Quantity{"force_size", "friction force", "{/:Italic F_f}", Owner::driver, "force",
@@ -34,14 +34,14 @@ constexpr std::array kQuantities = {
 };
 
 constexpr std::array kFigureKinds = {
-    FigureKind{"force", "force", "driver_position", "the friction trace: F_x over v t"},
+    FigureKind{"force", "force", "driver_position", "the friction trace: F_x versus v t"},
     FigureKind{"force_size", "force_size", "driver_position",
-               "F_f over v t: the force's size with the sign of F_x"},
+               "F_f versus v t: the force's size with the sign of F_x"},
     FigureKind{"position", "position", "driver_position",
-               "x_c over v t, beside a spring that is not stretched"},
-    FigureKind{"height", "height", "driver_position", "y_c over v t"},
-    FigureKind{"rotation", "rotation", "driver_position", "the angle over v t"},
-    FigureKind{"speed", "speed", "driver_position", "the speed over v t"},
+               "x_c versus v t, beside a spring that is not stretched"},
+    FigureKind{"height", "height", "driver_position", "y_c versus v t"},
+    FigureKind{"rotation", "rotation", "driver_position", "the angle versus v t"},
+    FigureKind{"speed", "speed", "driver_position", "the speed versus v t"},
     FigureKind{"hysteresis", "force", "position",
                "F_x over x_c, a loop when the driver turns back"},
     FigureKind{"path", "height", "position", "y_c over x_c"},

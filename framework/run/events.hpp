@@ -131,7 +131,7 @@ class DriverWatch {
   }
   /// The point has come to rest after a slip: how steeply the force rises from here on.
   void look_for_stiffness(double time, double force);
-  /// The largest slope of the force over the displacement of the pulled end since the last slip
+  /// The largest slope of the force over the displacement of the support since the last slip
   /// that was reported, of chords over a twentieth of a period in which the point sticks
   /// throughout: it moves with the driver and more slowly. Minus infinity where there is none.
   double steepest() const { return numbers_[kSteepest]; }

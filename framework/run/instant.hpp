@@ -10,7 +10,7 @@ namespace tomlin {
 
 /// An observable that has a value at every moment, for whoever waits for it to pass one:
 ///   bodies.NAME.centre_of_mass.AXIS, bodies.NAME.velocity.AXIS, bodies.NAME.rotation (rad),
-///   drivers.NAME.force.AXIS, drivers.NAME.position.AXIS (of the pulled end).
+///   drivers.NAME.force.AXIS, drivers.NAME.position.AXIS (of the support).
 /// The leading "bodies." or "drivers." may be left out.
 class Instant {
  public:

@@ -20,7 +20,8 @@ const ResultQuantity kTimeRows[] = {
     {"force_evaluations", dimension::none, count, run, "evaluations of all forces"},
     {"jacobian_columns", dimension::none, count, run,
      "columns of derivatives, each worth an evaluation"},
-    {"refused_steps", dimension::none, count, run, "attempts that the error control refused"},
+    {"rejected_steps", dimension::none, count, run,
+     "attempted steps that the error control rejected"},
 };
 
 const ResultQuantity kWindowRows[] = {

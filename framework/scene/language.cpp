@@ -358,7 +358,7 @@ std::vector<SceneTable> scene_tables() {
 
 TableLayout body_layout(const BodyRecord& record) {
   static const std::vector<OwnKey> keys = {
-      {"name", "its type's where no other body has that type"},
+      {"name", "by default its type, if no other body has that type"},
       {"type", "which body it is"},
       {"hold", hold_row().doc},
       {"motion",
@@ -379,17 +379,18 @@ Parameter hold_row() {
 
 Parameter driver_row() {
   return parameter("driver", &SceneForce::driver, dimension::none,
-                   "true: a driver, whatever force it is, with its force, work and support among "
-                   "the results; a driving_spring always is one")
+                   "true: report this force under drivers, with its force, its work and its "
+                   "support; a driving_spring is always reported there")
       .by_default(false);
 }
 
 TableLayout active_layout() {
   TableLayout layout;
   layout.rows = {
-      parameter("from", &ActiveSettings::from, dimension::time,
-                "the force acts from this time on: a driving spring whose start is not given from "
-                "where the attached point then is")
+      parameter(
+          "from", &ActiveSettings::from, dimension::time,
+          "the force acts from this time on; a driving spring without start then starts where "
+          "the attached point is")
           .by_default(0.0)
           .in(non_negative),
       optional_number("until", &ActiveSettings::until, dimension::time,
@@ -400,23 +401,24 @@ TableLayout active_layout() {
 
 TableLayout force_layout(const ForceRecord& record) {
   static const std::vector<OwnKey> keys = {
-      {"name", "its type's where no other force has that type"},
+      {"name", "by default its type, if no other force has that type"},
       {"type", "which force it is"},
-      {"body", "the body it acts on; needless where there is one only"},
+      {"body", "the body it acts on; may be omitted if the scene has one body"},
       {"bodies", "in place of body: a list, where a force acts between two"},
       {"driver", driver_row().doc},
       {"active",
-       "when it acts, { from = 0.0, until = TIME }: a driving spring whose start is not given from "
-       "where the attached point then is; at all times by default"}};
+       "{ from = 0.0, until = TIME }, the interval in which the force acts; by default always. A "
+       "driving "
+       "spring without start then starts where the attached point is"}};
   return component_layout(record, keys, {});
 }
 
 TableLayout observer_layout(const ObserverRecord& record) {
   static const std::vector<OwnKey> keys = {
-      {"name", "its type's where no other observer has that type"},
+      {"name", "by default its type, if no other observer has that type"},
       {"type", "which observer it is"},
-      {"body", "the body it looks at; needless where there is one only"},
-      {"bodies", "in place of body: a list, where it looks at two or more"}};
+      {"body", "the body it observes; may be omitted if the scene has one body"},
+      {"bodies", "in place of body: a list, where it observes two or more"}};
   return component_layout(record, keys, {});
 }
 

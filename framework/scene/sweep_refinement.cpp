@@ -137,7 +137,8 @@ class RefinementReader {
     const bool rises = span > 0.0;
     for (std::size_t k = 1; k < axis.values.size(); ++k) {
       const double step = axis.values.number(k) - axis.values.number(k - 1);
-      if (rises ? !(step > 0.0) : !(step < 0.0)) return refuse("has values in no order");
+      if (rises ? !(step > 0.0) : !(step < 0.0))
+        return refuse("must have values that increase or decrease");
     }
     for (const SweepDimension& dimension : dimensions_) {
       const auto& axes = dimension.axes;

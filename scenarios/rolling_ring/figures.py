@@ -282,7 +282,7 @@ def main():
     arguments = parser.parse_args()
     unknown = [figure for figure in arguments.figures if figure not in FIGURES]
     if unknown:
-        parser.error(f"there is no figure {unknown[0]}; admissible: {', '.join(FIGURES)}")
+        parser.error(f"there is no figure {unknown[0]}; expected: {', '.join(FIGURES)}")
 
     status = 0
     with tempfile.TemporaryDirectory(prefix="tomlin-figures-") as folder:

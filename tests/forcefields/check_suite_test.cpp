@@ -520,7 +520,7 @@ std::vector<Fault> faults() {
        wrapped<PlainDriver, PowerOfTheWrongSign>, "driver", kDriven},
       {"a spring without one half", "driving_spring", wrapped<PlainDriver, WithoutOneHalf>,
        "conservative", kDriven},
-      {"a pulled end that waits for the next step", "driving_spring",
+      {"a support that waits for the next step", "driving_spring",
        wrapped<PlainDriver, ElapsedForgotten>, "time", kDriven},
       {"time not told of", "driving_spring", sound, "time", kDriven,
        [](ForceRecord& r) { r.traits.depends_on_time = false; }},

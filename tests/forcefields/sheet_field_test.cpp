@@ -485,9 +485,9 @@ TEST(SheetField, IsRefusedWhereThereIsNoSheet) {
 TEST(SheetField, SaysWhichToleranceCanBeReached) {
   const std::string place = atoms_at({{0.0, 0.0, 4.0}});
   const std::string text = refusal(graphene() + place + field_of_sheet(2e-8) + kRunOfAtoms);
-  const std::size_t at = text.find("admissible: ");
+  const std::size_t at = text.find("expected: ");
   ASSERT_NE(at, std::string::npos) << text;
-  const double reachable = std::stod(text.substr(at + std::strlen("admissible: ")));
+  const double reachable = std::stod(text.substr(at + std::strlen("expected: ")));
   EXPECT_GT(reachable, 1e-7);
   EXPECT_LT(reachable, 5e-5);
   EXPECT_EQ(brief_refusal(graphene() + place + field_of_sheet(reachable) + kRunOfAtoms), "");

@@ -299,7 +299,7 @@ struct WithoutOneHalf : DrivingSpring {
   }
 };
 
-/// The pulled end stands still within a step.
+/// The support stands still within a step.
 struct ElapsedForgotten : DrivingSpring {
   template <class T, int D>
   static Vec<T, D> force(const Parameters<T, D>& p, Site<T, D> site) {

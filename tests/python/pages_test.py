@@ -52,6 +52,9 @@ def test_python_blocks_of_pages(page, in_a_copy):
     names = {"__name__": "__main__"}
     for block in blocks:
         exec(compile(block, page, "exec"), names)  # one after the other, as a reader would
+    if page == "README.md":  # the first loop that a reader sees has its friction
+        driver = names["loop"].driver
+        assert driver.half_difference == pytest.approx((driver.trace - driver.retrace) / 2) and driver.loops > 0
 
 
 @pytest.mark.parametrize("script", SCRIPTS)

@@ -227,7 +227,7 @@ std::optional<PropertyResult> friction_bound(ForceUnderTest& e) {
 }
 
 /// -F.v = dU/dt + heat - power in. Only for forces that take part in the ledger: those with an
-/// energy, with heat or what velocities make of it, or with a pulled end. Prescribed bodies do work
+/// energy, with heat or what velocities make of it, or with a support. Prescribed bodies do work
 /// of their own.
 std::optional<PropertyResult> balance(ForceUnderTest& e) {
   const auto twin = e.twin();
@@ -260,7 +260,7 @@ std::optional<PropertyResult> balance(ForceUnderTest& e) {
     }
     const double size = taken.size + std::abs(work) + std::abs(heat);
     const Gain gain = gain_at(e, *twin, *state, size);
-    double drive = 0.0;  // speed of a pulled end, whose place is rounded too
+    double drive = 0.0;  // speed of a support, whose place is rounded too
     if (const Drive* pulled = e.bound().drive()) {
       for (const double v : pulled->velocity) drive += std::abs(v);
     }

@@ -6,7 +6,7 @@
 #include "framework/run/prescribed_inertia.hpp"
 
 /// Mean forces of drivers: the running integral of each force over the window, by its length; and
-/// its components along the velocity of the pulled end, at the start of the run, and across it.
+/// its components along the velocity of the support, at the start of the run, and across it.
 namespace tomlin::observers {
 namespace {
 
@@ -14,7 +14,7 @@ const ResultQuantity kDriverMeanForce{"mean_force", dimension::force, Shape::vec
                                       "integral of the force over the window, by its length"};
 const ResultQuantity kMeanForceAlong{
     "mean_force_along", dimension::force, Shape::number, Scope::window,
-    "component of mean_force along the first velocity of the pulled end, if that is steady"};
+    "component of mean_force along the first velocity of the support, if that is steady"};
 const ResultQuantity kMeanForceAcross{
     "mean_force_across", dimension::force, Shape::number, Scope::window,
     "the rest of it: in two dimensions the component 90 degrees counter-clockwise of the velocity, "

@@ -36,7 +36,7 @@ const SlipRows kRows[] = {
 
 const ResultQuantity kEffectiveStiffness{
     "effective_stiffness", dimension::stiffness, Shape::number, Scope::window,
-    "mean over slips of the steepest slope of the force over the displacement of the pulled end "
+    "mean over slips of the steepest slope of the force over the displacement of the support "
     "since the slip before: of spring and contact in series"};
 
 }  // namespace

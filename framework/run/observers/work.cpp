@@ -15,7 +15,7 @@ const ResultQuantity kWork{"work", dimension::energy, Shape::number, Scope::wind
 const ResultQuantity kWorkPerDistance{"work_per_distance", dimension::force, Shape::number,
                                       Scope::window, "work by distance"};
 const ResultQuantity kDistance{"distance", dimension::length, Shape::number, Scope::window,
-                               "displacement of the pulled end, at steady velocity"};
+                               "displacement of the support, at steady velocity"};
 const ResultQuantity kDissipatedPerPeriod{"dissipated_per_period", dimension::energy, Shape::number,
                                           Scope::window,
                                           "work_in less stored_change, of the whole scene, while "

@@ -63,7 +63,7 @@ TEST_F(Cli, IncompleteRecordsAreSeen) {
 }
 
 TEST_F(Cli, NearlyACommandIsSuggested) {
-  std::string all = "admissible: ";
+  std::string all = "expected: ";
   for (const CommandRecord& record : commands()) all += record.name + ", ";
   all.replace(all.size() - 2, 2, ";");
   for (const CommandRecord& record : commands()) {

@@ -30,7 +30,8 @@ TEST_F(Explain, ShowsWhatIsBuiltAndLeavesNothingBehind) {
   EXPECT_EQ(ended.out.substr(0, 7), "a tip: ");
   for (const char* part :
        {"\nbuilt\n", "point: 1 particle, mass 1", "1 degree of freedom", "driving_spring on tip",
-        "energy ledger", "off: ", "\nnatural angular frequencies", "underdamped: 0.50",
+        "\navailable, but off\n", "energy ledger", "\nnatural angular frequencies",
+        "underdamped: damping ratio 0.50",
         "s = 1.974 = substrate curvature 3.948 / driver stiffness 2; s > 1: stick-slip possible",
         "washboard", "of the stable step", "force evaluations", "about "}) {
     EXPECT_TRUE(contains(ended.out, part)) << part << "\n" << ended.out;
@@ -142,7 +143,7 @@ TEST_F(Explain, ShowsWhatARunWouldWrite) {
                                                     "output.trajectory=true"};
   const std::string text = tomlin(with_trajectory).out;
   for (const char* part : {"\noutput, at most\n", "429 rows, ", "trajectory.h5", "429 frames, ",
-                           "run.journal ", "room  "}) {
+                           "run.journal ", "free disk space  "}) {
     EXPECT_TRUE(contains(text, part)) << part << "\n" << text;
   }
   const std::string beyond = tomlin({"explain", "tip.toml", "--set", "output.every=1e-9"}).out;

@@ -88,7 +88,7 @@ TEST(Summary, HasEveryKeyOfAFinishedRun) {
   EXPECT_EQ(summary["status"], "finished");
   EXPECT_EQ(keys(summary["parameters"]), (Names{"xi", "N"}));
   EXPECT_EQ(keys(summary["time"]),
-            (Names{"end", "steps", "force_evaluations", "jacobian_columns", "refused_steps"}));
+            (Names{"end", "steps", "force_evaluations", "jacobian_columns", "rejected_steps"}));
   EXPECT_EQ(summary["time"]["steps"], 123456789012345ULL);
   EXPECT_EQ(keys(summary["window"]), (Names{"from", "to"}));
   EXPECT_EQ(keys(summary["drivers"]["driver"]), (Names{"trace",

@@ -304,7 +304,7 @@ TEST_F(Resume, ARunThatDoesNotFitIsRefusedBeforeItBegins) {
   EXPECT_TRUE(contains(refused.err, " 1.05 MB")) << refused.err;
   EXPECT_FALSE(exists("disk/out"));
 
-  const std::string admissible = "admissible: >= ";
+  const std::string admissible = "expected: >= ";
   const auto at = refused.err.find(admissible);
   ASSERT_NE(at, std::string::npos) << refused.err;
   const std::string rest = refused.err.substr(at + admissible.size());

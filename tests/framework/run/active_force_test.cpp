@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kSpeed = 0.4;  // of the free particle
 constexpr double kStiffness = 2.0;
-constexpr double kPull = 0.25;  // velocity of the pulled end
+constexpr double kPull = 0.25;  // velocity of the support
 constexpr double kFrom = 1.0;
 constexpr double kUntil = 3.1;
 constexpr double kDuration = 5.0;
@@ -136,7 +136,7 @@ TEST(ActiveForce, SwitchingIsNoWork) {
   }
 }
 
-/// Before a driver acts its force is none; then its pulled end moves from where the particle is.
+/// Before a driver acts its force is none; then its support moves from where the particle is.
 TEST(ActiveForce, SamplesShowIt) {
   KeptSamples kept;
   RunOptions options;

@@ -650,7 +650,7 @@ every = 0.02
 )";
 }
 
-/// The motion of the pulled end along an axis without a spring pulls nothing.
+/// The motion of the support along an axis without a spring pulls nothing.
 TEST(Slips, MotionAlongAnAxisWithoutSpringPullsNothing) {
   const std::string hold = "hold = [\"y\"]";
   const Watched along(oblique("[2.0, 0.0]", "[0.02, 0.0]", hold));

@@ -20,7 +20,7 @@ constexpr double kVelocity = 0.25;
 constexpr double kValue = 1.3;
 constexpr double kDuration = 12.0;
 
-/// The particle, of mass 1, and the spring's pulled end.
+/// The particle, of mass 1, and the spring's support.
 struct Pulled {
   double x = 0.0, v = 0.0, end = 0.0, velocity = kVelocity;
 
@@ -167,7 +167,7 @@ TEST(DriverReversal, StepsReturnToTheGrid) {
   const Turned turned = run_turned(tip(fixed_step(0.01)));
   EXPECT_EQ(turned.result.steps, 1201u);
   EXPECT_EQ(turned.result.end_time, kDuration);
-  // A pulled end that turns where a step ends anyway splits nothing.
+  // A support that turns where a step ends anyway splits nothing.
   const std::vector<Setting> at_step = {
       {"force.driver.reverse",
        passing("\"driver.position.x\", above = " + digits(0.1 + 0.25 * 2.0))}};
