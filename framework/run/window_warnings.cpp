@@ -19,8 +19,8 @@ constexpr double kPartOfPeriod = 1e-3;
 constexpr double kLag = 0.1;
 /// In periods: a window that begins before a slip and ends after one is no better known.
 constexpr double kLagInPeriods = 1.0;
-/// Largest lag as a part of the driver's displacement, where no force has a period: between slips of unknown length a
-/// body that follows its driver may be behind by much of a window.
+/// Largest lag as a part of the driver's displacement, where no force has a period: between slips
+/// of unknown length a body that follows its driver may be behind by much of a window.
 constexpr double kLagWithoutPeriod = 0.5;
 /// Slips that a mean is taken of.
 constexpr std::uint64_t kFewSlips = 3;

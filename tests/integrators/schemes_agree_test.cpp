@@ -20,8 +20,8 @@
 namespace tomlin::test {
 namespace {
 
-/// Schemes may differ by this part of the displacement in a run: those of first order differ most, by about
-/// a third of this at kStep.
+/// Schemes may differ by this part of the displacement in a run: those of first order differ most,
+/// by about a third of this at kStep.
 constexpr double kTolerance = 1e-2;
 /// Quasistatic paths are compared with slow ones, which lag behind by about this part.
 constexpr double kToleranceOfSlow = 5e-2;
