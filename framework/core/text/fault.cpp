@@ -40,7 +40,7 @@ std::string with_short_words(std::string text) {
 }  // namespace
 
 std::string to_string(const Fault& fault) {
-  std::string text = fault.place.file;
+  std::string text = with_short_words(fault.place.file);
   if (fault.place.line > 0) {
     text += ':' + std::to_string(fault.place.line) + ':' + std::to_string(fault.place.column);
   }

@@ -268,7 +268,7 @@ TEST_F(Files, ThatCannotBeReadAreRefused) {
   expect_refused(path("empty.toml"), "file.invalid");
   expect_refused(path("large.toml"), "scene.too_large");
   const std::string found = faults_reading(std::string(100000, 'a'));
-  EXPECT_NE(found.find("a:1:1: "), std::string::npos);
+  EXPECT_NE(found.find("aaa...:1:1: "), std::string::npos) << found.substr(0, 200);
   EXPECT_TRUE(found.ends_with(" [file.cannot_read]\n"));
 }
 
