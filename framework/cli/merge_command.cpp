@@ -192,7 +192,7 @@ int merge_into(const fs::path& path, const SweepPlan& plan,
   SweepProgress progress;
   progress.points = plan.points();
   {
-    // It comes first: whatever else is there, the rows so far are merged again from it.
+    // The journal comes first: whatever else is there, the rows so far are merged again from it.
     SweepJournal journal(folder.file(kSweepJournalFile), plan);
     folder.write_file(kSceneFile, plan.scene_text());
     merge_rows(plan, journals, journal, signals.stop());
