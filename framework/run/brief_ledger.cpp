@@ -14,12 +14,11 @@ bool has_velocities(const Model& model, const Model::Force& force) {
                       [&](std::size_t body) { return model.bodies()[body].bound.slot.mapped; });
 }
 
-/// A step is computed from the state alone, with all rates that an evaluation gives: explicit
-/// Runge-Kutta schemes of a fixed step.
-bool steps_from_state(const RunContext& run) {
+/// Schemes of a fixed step that integrate all rates that an evaluation gives.
+bool integrates_rates(const RunContext& run) {
   const IntegratorRecord& scheme = run.scheme;
-  return scheme.in_lanes && !scheme.adaptive && scheme.takes_any_scene() &&
-         scheme.library.empty() && run.model.system().view.inertial &&
+  return scheme.in_lanes && !scheme.adaptive && scheme.library.empty() &&
+         run.model.system().view.inertial &&
          run.scene->run.number_type == NumberType::double_precision;
 }
 
@@ -27,7 +26,8 @@ bool steps_from_state(const RunContext& run) {
 
 BriefLedger::BriefLedger(const RunContext& run) {
   const SystemView<double>& view = run.model.system().view;
-  if (!steps_from_state(run)) return;
+  if (!integrates_rates(run)) return;
+  splits_friction_ = !run.scheme.takes_any_scene();
   operations_.assign(view.operations, view.operations + view.operation_count);
   if (view.direct_point_forces == nullptr) {
     points_.assign(view.point_forces, view.point_forces + view.point_force_count);
@@ -40,9 +40,16 @@ BriefLedger::BriefLedger(const RunContext& run) {
     if (force.is_operator || force.driver) continue;
     if (!force.bound->heat(static_cast<std::ptrdiff_t>(rate), heat)) continue;
     if (!has_velocities(run.model, force)) return;
+    // A kick's forces are the rates, at a velocity of half a step before.
+    if (splits_friction_ && !force.traits.conservative) return;
     if (!points_.empty() && !add_point(force, rate)) points_.clear();
     heats_.push_back({rate, force.traits.conservative});
     operations_.push_back(heat);
+    rate += 1 + before;
+  }
+  if (view.flow_count > 0) {
+    friction_rate_ = static_cast<std::ptrdiff_t>(rate);
+    heats_.push_back({rate, false});
     rate += 1 + before;
   }
   used_rates_ = rate - before;
@@ -71,6 +78,10 @@ PointResult<double> BriefLedger::with_heat(const void* damper, double position, 
   return {of.force, -of.force * velocity};
 }
 
+bool BriefLedger::lacks_first_step(const RunContext& run) const {
+  return splits_friction_ && run.integrator->is_started();
+}
+
 void BriefLedger::keep(RunContext& run, bool on) {
   if (on == kept_) return;
   kept_ = on;
@@ -83,14 +94,17 @@ void BriefLedger::keep(RunContext& run, bool on) {
     view.point_forces = points_.data();
     view.point_force_count = points_.size();
     view.used_rates = used_rates_;
+    view.friction_rate = friction_rate_;
   } else {
     view.operations = without_.operations;
     view.operation_count = without_.operation_count;
     view.point_forces = without_.point_forces;
     view.point_force_count = without_.point_force_count;
     view.used_rates = without_.used_rates;
+    view.friction_rate = kNoRate;
     std::fill(view.integrals + view.used_rates, view.integrals + view.rates, 0.0);
   }
+  if (splits_friction_) return;
   // The start of the next step is evaluated with other operations.
   system.evaluations -= run.integrator->evaluations_ahead();
   run.integrator->forces_changed();

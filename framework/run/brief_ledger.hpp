@@ -18,10 +18,12 @@ class BriefLedger {
  public:
   explicit BriefLedger(const RunContext& run);
 
-  /// False where heats are not known in this way, or are integrated in another: schemes that go on
-  /// with rates of the last step or split friction off, other number types, no room in the padding
-  /// of the rates, velocities that nothing else asks for.
+  /// False where heats are not known in this way: adaptive schemes, other number types, motion
+  /// without inertia, no room in the padding of the rates, velocities that nothing else asks for.
   bool can_be_kept() const { return can_be_kept_; }
+  /// The scheme goes on with rates of the step before, so that the first step that the ledger is
+  /// kept in lacks some.
+  bool lacks_first_step(const RunContext& run) const;
   /// From this step on, or no more.
   void keep(RunContext& run, bool on);
   bool is_kept() const { return kept_; }
@@ -46,13 +48,15 @@ class BriefLedger {
                                        double start, double elapsed);
 
   bool can_be_kept_ = false;
+  bool splits_friction_ = false;
   bool kept_ = false;
   std::vector<Heat> heats_;
   std::vector<Operation<double>> operations_;  ///< of an evaluation with heats
   std::vector<PointForce<double>> points_;     ///< likewise; none: operations are called
   std::vector<Damper> dampers_;                ///< among them
   std::size_t used_rates_ = 0;
-  SystemView<double> without_;  ///< while it is kept
+  std::ptrdiff_t friction_rate_ = kNoRate;  ///< where the scheme splits friction off
+  SystemView<double> without_;              ///< while it is kept
 };
 
 }  // namespace tomlin

@@ -2,38 +2,40 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
-#include <new>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "framework/core/numbers/random.hpp"
 #include "framework/core/system/tolerance.hpp"
+#include "framework/model/force_twin.hpp"
 #include "framework/run/brief_ledger.hpp"
 #include "framework/run/context.hpp"
-#include "framework/run/engine.hpp"
+#include "framework/run/gauss_rule.hpp"
+#include "framework/run/observation.hpp"
 #include "framework/run/start_checks.hpp"
 #include "framework/scene/natural_units.hpp"
 
 namespace tomlin {
 namespace {
 
-/// Of the window, one block of steps in each. Fixed steps are many and cheap, adaptive ones few and
-/// expensive.
-constexpr std::int64_t kFixedStrata = 128;
-constexpr std::int64_t kAdaptiveStrata = 32;
-/// Steps in a block of the second engine.
-constexpr std::uint64_t kFixedSteps = kBlock / 2;
-constexpr std::uint64_t kAdaptiveSteps = 4;
+/// Of a run whose number of steps is known, so many steps are looked into.
+constexpr std::int64_t kMostSamples = 128;
+/// Of others, later strata are so large a part of all steps before them.
+constexpr std::int64_t kEarlierInStratum = 128;
+/// The most that looking into steps takes of a run's evaluations.
+constexpr double kPartOfEvaluations = 0.05;
+/// What looking into a step takes: nodes, and both ends, where energies cost as much as forces.
+constexpr double kEvaluationsOfStep = 4.0 + kGaussNodes;
 /// A block of the run's own, with the energies at both of its ends, costs a tip as much as some 25
 /// of its steps: so many of them are in a stratum, but for runs that are little longer than short.
 constexpr double kStepsInStratum = 1024.0;
 constexpr std::int64_t kFewestStrata = 16;
-/// Runs of so many steps are looked at as a whole: by a second engine, or with a ledger of their
-/// own, which costs a few per cent of each step.
-constexpr double kShort = 4096.0;
-constexpr double kShortWithLedger = 16384.0;
+/// Runs of so many steps are looked at as a whole, with a ledger of their own, which costs a few
+/// per cent of each step.
+constexpr double kShort = 16384.0;
 /// Numerical work beside the larger one of work and heat, or beside the energy where there is no
 /// heat: a few per cent are what a coarse but sensible step costs.
 constexpr double kNotSmall = 0.05;
@@ -48,7 +50,7 @@ constexpr double kSurely = 4.0;
 constexpr double kNoHeat = 1e-12;
 /// Of the energy itself, that its changes are rounding.
 constexpr double kRounding = 1e-11;
-/// Blocks for a standard error.
+/// Samples for a standard error.
 constexpr std::int64_t kFewest = 8;
 
 /// Work or heat of fewer times the mean energy than this is no flow through a body in a bath.
@@ -56,24 +58,6 @@ constexpr double kNetFlow = 100.0;
 
 /// Of the places of blocks: the same in every run, so that results are reproducible.
 constexpr RandomKey kKey{0x656e65726779, 0};
-
-/// The scene with a ledger and nothing else that takes time.
-std::shared_ptr<const Scene> with_ledger(const Scene& scene) {
-  auto result = std::make_shared<Scene>(scene);
-  result->run.ledger = true;
-  result->run.until.reset();
-  result->run.perturb.reset();
-  result->run.accuracy.reset();
-  result->output.every.reset();
-  result->output.trajectory = false;
-  result->observers.clear();
-  result->measure = {};
-  return result;
-}
-
-}  // namespace
-
-namespace {
 
 /// Returns the numerical work that the tolerance of an adaptive scheme allows; infinite where it
 /// says nothing of it.
@@ -111,16 +95,7 @@ std::optional<Warning> doubt_of_balance(const SampledWork& found, bool sampled, 
                              sampled ? "; ledger = true gives the whole balance" : "")};
 }
 
-EnergyBalance::EnergyBalance(const std::shared_ptr<const Scene>& scene, const RunOptions& options)
-    : scene_(scene) {
-  options_.instruction_set = options.instruction_set;
-  options_.team = options.team;
-  options_.start_from = options.start_from;
-  options_.watches_energy = false;
-  options_.checks_step = false;               // the run's own is checked
-  options_.observables = {"energy.work_in"};  // it looks at steps for nothing else
-}
-
+EnergyBalance::EnergyBalance() = default;
 EnergyBalance::~EnergyBalance() = default;
 
 void EnergyBalance::attach(double* reals, std::int64_t* integers) {
@@ -134,204 +109,227 @@ void EnergyBalance::start(double from, double to) {
 }
 
 void EnergyBalance::prepare(RunContext& run) {
-  if (!(run.plan.dt > 0.0)) {
-    strata_ = kAdaptiveStrata;
-    steps_ = kAdaptiveSteps;
-    return make_twin(run.state);
-  }
+  const bool fixed = run.plan.dt > 0.0;
+  const double steps = fixed ? (to_ - from_) / run.plan.dt : 0.0;
   ledger_ = std::make_unique<BriefLedger>(run);
-  const bool own = ledger_->can_be_kept();
-  const double steps = (to_ - from_) / run.plan.dt;
-  whole_ = steps < (own ? kShortWithLedger : kShort);
-  strata_ = own && !whole_ ? static_cast<std::int64_t>(std::clamp(
-                                 steps / kStepsInStratum, static_cast<double>(kFewestStrata),
-                                 static_cast<double>(kFixedStrata)))
-                           : kFixedStrata;
-  steps_ = own && whole_   ? static_cast<std::uint64_t>(std::max(1.0, std::nearbyint(steps)))
-           : own || whole_ ? kBlock
-                           : kFixedSteps;
-  if (own) return;
-  ledger_ = nullptr;
-  make_twin(run.state);
-}
-
-void EnergyBalance::make_twin(RunState& state) {
-  try {
-    twin_ = std::make_unique<Engine>(with_ledger(*scene_), options_);
-    integrals_.assign(twin_->model().system().view.rates, 0.0);
-    twin_->advance(1);  // what is allocated at the first step is
-    twin_->take_up_from(state);
-    if (twin_->failed()) twin_ = nullptr;
-  } catch (const InputError&) {
-    twin_ = nullptr;  // a force that no ledger can be kept of under this scheme
-  } catch (const std::bad_alloc&) {
-    twin_ = nullptr;  // of a scene that fills the memory
-  }
-}
-
-/// When the block of a stratum begins at the earliest.
-double EnergyBalance::time_of(std::int64_t stratum) const {
-  if (stratum >= strata_) return std::numeric_limits<double>::infinity();
-  const double part =
-      0.5 + 0.5 * uniform_symmetric(kKey, {static_cast<std::uint64_t>(stratum), 0, 0, 0});
-  return from_ +
-         (to_ - from_) * (static_cast<double>(stratum) + part) / static_cast<double>(strata_);
-}
-
-std::uint64_t EnergyBalance::look(RunContext& run) {
-  constexpr auto kAnyNumber = std::numeric_limits<std::uint64_t>::max();
-  if (!looks()) return kAnyNumber;
-  const double now = run.clock.time();
-  if (place_[kOpen] != 0) {
-    // Where an event has split a step there are more of them.
-    const double left = sums_[kBlockEnd] - now;
-    if (left > kNoStep * run.plan.dt && !run.outcome.done()) {
-      if (ledger_) ledger_->keep(run, true);  // of a run that resumes within a block, once more
-      return static_cast<std::uint64_t>(std::max(1.0, std::nearbyint(left / run.plan.dt)));
-    }
-    const bool there = std::abs(left) <= kNoStep * run.plan.dt && !run.outcome.failure;
-    if (ledger_ && !there && run.outcome.interrupted) return kAnyNumber;  // a resumed run closes it
-    ledger_ ? close_own(run, there) : close_of_twin(run, there);
-  }
-  if (known_ != place_[kStratum]) next_ = time_of(known_ = place_[kStratum]);
-  if (now < (whole_ ? from_ : next_) || now >= to_ || run.outcome.done()) return kAnyNumber;
-  if (run.plan.dt == 0.0) {
-    open(run);
-  } else if (run.block_ends()) {
-    open(run);
-    if (place_[kOpen] != 0) return steps_;
-  }
-  return kAnyNumber;
-}
-
-double EnergyBalance::idle_until(const RunContext& run) const {
-  constexpr double kNever = std::numeric_limits<double>::infinity();
-  const double now = run.clock.time();
-  if (!looks()) return kNever;
-  // On a grid a block has to end where the second engine has stopped.
-  if (place_[kOpen] != 0) return run.plan.dt > 0.0 ? now : sums_[kBlockEnd];
-  if (now >= to_) return kNever;
-  if (known_ != place_[kStratum]) return now;
-  return whole_ ? from_ : next_;
-}
-
-/// From here on the run keeps the ledger itself.
-void EnergyBalance::open_own(RunContext& run) {
-  const SystemView<double>& view = run.model.system().view;
-  const std::int64_t last = run.clock.grid_steps() + static_cast<std::int64_t>(steps_);
-  sums_[kBlockBegin] = run.clock.time();
-  sums_[kBlockEnd] = std::min(static_cast<double>(last) * run.plan.dt, run.plan.duration);
-  sums_[kBlockEnergy] = stored_energy(run);
-  ledger_->keep(run, true);
-  std::copy_n(view.integrals, view.rates, sums_ + kReals);
-  place_[kOpen] = 1;
-}
-
-/// A block that the run has not come to the end of counts for nothing.
-void EnergyBalance::close_own(RunContext& run, bool there) {
-  EnergyTerms terms = ledger_->terms(run, sums_ + kReals, sums_[kBlockBegin]);
-  ledger_->keep(run, false);
-  place_[kOpen] = 0;
-  if (!there) return;
-  const double begin = sums_[kBlockBegin];
-  const double end = run.clock.time();
-  const double stored = stored_energy(run);
-  terms.stored = stored - std::exchange(sums_[kBlockEnergy], stored);
-  const SystemView<double>& view = run.model.system().view;
-  count(terms, begin, end, kinetic_energy(run.model, view.position, view.velocity, end));
-  close(terms.numerical());
-}
-
-void EnergyBalance::close_of_twin(RunContext& run, bool there) {
-  const double energy = there ? stored_energy(run) : sums_[kBlockEnergy];
-  close(sums_[kOpenWork] + (energy - sums_[kBlockEnergy]));
-}
-
-void EnergyBalance::open(RunContext& run) {
-  if (ledger_) return open_own(run);
-  twin_->take_up();
-  const SystemView<double>& view = twin_->model().system().view;
-  std::copy_n(view.integrals, view.rates, integrals_.data());
-  const double begin = twin_->time();
-  const double stored = stored_energy(twin_->context());
-  twin_->advance(steps_);
-  const double end = twin_->time();
-  if (twin_->failed() || !(end > begin)) {
-    place_[kDropped] = 1;  // the run itself will say why
+  if (ledger_->can_be_kept()) {
+    const bool whole = steps < kShort;
+    const double strata = std::clamp(steps / kStepsInStratum, static_cast<double>(kFewestStrata),
+                                     static_cast<double>(kMostSamples));
+    stratum_ = std::max<std::int64_t>(std::llround(whole ? steps : steps / strata), 1);
+    steps_ = whole ? stratum_ : kBlock;
     return;
   }
-  EnergyTerms terms = energy_terms(twin_->model(), integrals_.data(), view.integrals, begin, end);
-  sums_[kBlockEnergy] = stored_energy(twin_->context());
-  terms.stored = sums_[kBlockEnergy] - stored;
-  count(terms, begin, end, kinetic_energy(twin_->model(), view.position, view.velocity, end));
-  sums_[kBlockEnd] = end;
-  sums_[kOpenWork] = terms.numerical();
-  if (run.plan.dt > 0.0) {
-    place_[kOpen] = 1;
-  } else {
-    close(terms.numerical());
+  ledger_ = nullptr;
+  if (has_thermostat(*run.scene) || !find_heats(run)) return;
+  const int each = std::max(run.scheme.evaluations_per_step, 1);
+  const double least = std::ceil(kEvaluationsOfStep / (kPartOfEvaluations * each));
+  if (fixed && steps < static_cast<double>(kFewest) * least) return;
+  stratum_ = std::llround(std::max(least, steps / static_cast<double>(kMostSamples)));
+  grows_ = !fixed;
+}
+
+/// False where one is not known: particles of prescribed bodies have velocities where a force reads
+/// them.
+bool EnergyBalance::find_heats(RunContext& run) {
+  const Model& model = run.model;
+  for (const Model::Force& force : model.forces()) {
+    if (force.driver) continue;
+    Heat heat;
+    heat.of_energy = force.traits.conservative;
+    if (!force.bound->heat(static_cast<std::ptrdiff_t>(heats_.size()), heat.operation)) continue;
+    const bool knows_velocities =
+        heat.of_energy || force.traits.depends_on_velocity ||
+        std::none_of(force.bodies.begin(), force.bodies.end(),
+                     [&](std::size_t body) { return model.bodies()[body].prescribed(); });
+    if (!knows_velocities) return false;
+    heats_.push_back(heat);
+  }
+  const SystemView<double>& view = run.model.system().view;
+  heat_rates_.assign(heats_.size() + 2 * kGroup, 0.0);
+  heat_sums_.assign(heats_.size(), 0.0);
+  velocity_.assign(view.dofs + 2 * kGroup, 0.0);
+  none_.assign(view.rates, 0.0);
+  sums_of_rates_.assign(view.rates, 0.0);
+  return true;
+}
+
+std::int64_t EnergyBalance::length_of_stratum() const {
+  const std::int64_t part = grows_ ? place_[kStratum] / kEarlierInStratum : 0;
+  return std::max(stratum_, part);
+}
+
+std::int64_t EnergyBalance::idle_steps(const RunContext& run) {
+  const double now = run.clock.time();
+  if (!looks() || now < from_) return kNever;
+  if (place_[kOpen] != kNo) return 0;
+  if (place_[kStarted] == 0) {
+    place_[kStarted] = 1;
+    place_[kFirst] = run.clock.steps();
+  }
+  const std::int64_t taken = run.clock.steps() - place_[kFirst];
+  if (now <= to_) place_[kSeen] = taken;
+  if (!(now < to_) || run.outcome.done()) return kNever;
+  if (known_ != place_[kStratum]) {
+    known_ = place_[kStratum];
+    const auto stratum = static_cast<std::uint64_t>(known_);
+    const double part = 0.5 + 0.5 * uniform_symmetric(kKey, {stratum, 0, 0, 0});
+    const auto places = static_cast<double>(length_of_stratum() - steps_ + 1);
+    next_ = known_ + static_cast<std::int64_t>(part * places);
+  }
+  if (taken < next_) return next_ - taken;
+  // Blocks of a run's own are whole ones, as other runs in lanes have them.
+  return ledger_ && !run.block_ends() ? kBlock - run.clock.grid_steps() % kBlock : 0;
+}
+
+std::int64_t EnergyBalance::look(RunContext& run) {
+  if (place_[kOpen] != kNo) {
+    const std::int64_t left = go_on_with_block(run);
+    if (left > 0) return left;
+  }
+  const std::int64_t idle = idle_steps(run);
+  if (idle > 0) return idle;
+  if (!ledger_) {
+    sums_[kStoredEnergy] = stored_energy(run);
+    looks_into_step_ = true;
+    return 1;
+  }
+  const bool lacks_first = ledger_->lacks_first_step(run);
+  ledger_->keep(run, true);
+  place_[kOpen] = kFromNextStep;
+  place_[kBlockFirst] = run.clock.steps();
+  if (lacks_first) return 1;
+  open_block(run);
+  return steps_;
+}
+
+/// Returns how many steps are left of it; 0: it is closed.
+std::int64_t EnergyBalance::go_on_with_block(RunContext& run) {
+  ledger_->keep(run, true);  // of a run that resumes within a block, once more
+  const bool ends = !(run.clock.time() < to_) || run.outcome.done();
+  const std::int64_t taken = run.clock.steps() - place_[kBlockFirst];
+  if (ends && run.outcome.interrupted) return kNever;  // a resumed run closes it
+  if (place_[kOpen] == kFromNextStep && !ends) {
+    if (taken > 0) open_block(run);
+    return taken > 0 ? steps_ : 1;
+  }
+  if (place_[kOpen] == kYes && !ends && taken < steps_) return steps_ - taken;
+  close_block(run, place_[kOpen] == kYes ? taken : 0);
+  return 0;
+}
+
+/// Accounts begin here.
+void EnergyBalance::open_block(RunContext& run) {
+  const SystemView<double>& view = run.model.system().view;
+  sums_[kBlockBegin] = run.clock.time();
+  sums_[kStoredEnergy] = stored_energy(run);
+  std::copy_n(view.integrals, view.rates, sums_ + kReals);
+  place_[kOpen] = kYes;
+  place_[kBlockFirst] = run.clock.steps();
+}
+
+/// A block in which the run has failed counts for nothing.
+void EnergyBalance::close_block(RunContext& run, std::int64_t steps) {
+  const EnergyTerms terms = ledger_->terms(run, sums_ + kReals, sums_[kBlockBegin]);
+  ledger_->keep(run, false);
+  place_[kOpen] = kNo;
+  if (steps > 0 && !run.outcome.failure) count(run, terms, stored_energy(run), steps);
+}
+
+void EnergyBalance::look_into(RunContext& run, Observation& observation, const DoubleDouble& begin,
+                              double next_since) {
+  looks_into_step_ = false;
+  const System<double>& system = run.model.system();
+  const std::uint64_t evaluations = system.evaluations;
+  const std::uint64_t ahead = run.integrator->evaluations_ahead();
+  std::fill(sums_of_rates_.begin(), sums_of_rates_.end(), 0.0);
+  std::fill(heat_sums_.begin(), heat_sums_.end(), 0.0);
+  observation.at_nodes(begin, run.clock.now(), next_since, {},
+                       [&](const RunMoment& at, double weight) { add_node(run, at, weight); });
+  // None of that is part of the run: the next step makes its first evaluation itself.
+  if (run.integrator->evaluations_ahead() > ahead) run.integrator->rebased();
+  run.model.system().evaluations = evaluations;
+  EnergyTerms terms = energy_terms(run.model, none_.data(), sums_of_rates_.data(),
+                                   static_cast<double>(begin), run.clock.time());
+  for (std::size_t k = 0; k < heats_.size(); ++k) {
+    heats_[k].of_energy ? terms.add_work(-heat_sums_[k]) : terms.add_heat(heat_sums_[k]);
+  }
+  count(run, terms, stored_energy(run), 1);
+}
+
+void EnergyBalance::add_node(RunContext& run, const RunMoment& at, double weight) {
+  Model& model = run.model;
+  const SystemView<double>& view = model.system().view;
+  for (std::size_t k = 0; k < sums_of_rates_.size(); ++k) {
+    sums_of_rates_[k] = std::fma(weight, at.rates[k], sums_of_rates_[k]);
+  }
+  const double* velocity = at.velocity;
+  if (!view.inertial) {
+    model.drift_velocity(velocity_.data());
+    velocity = velocity_.data();
+  }
+  place_velocities(model.bodies(), model.dimension(), at.position, velocity, view.mapped_velocity);
+  const Stage<double> here =
+      stage_of(view, at.position, velocity, at.integrals, heat_rates_.data(), at.elapsed);
+  for (std::size_t k = 0; k < heats_.size(); ++k) {
+    heats_[k].operation.run(heats_[k].operation.arguments, here);
+    heat_sums_[k] = std::fma(weight, heat_rates_[k], heat_sums_[k]);
   }
 }
 
-/// A block that ends with the energy sums_[kBlockEnergy].
-void EnergyBalance::count(const EnergyTerms& terms, double begin, double end, double kinetic) {
-  // In parts of what the first block has, and times in parts of the window: squares stay numbers.
+/// What so many steps have done, which end with the energy `stored`.
+void EnergyBalance::count(const RunContext& run, EnergyTerms terms, double stored,
+                          std::int64_t steps) {
+  terms.stored = stored - std::exchange(sums_[kStoredEnergy], stored);
+  // In parts of what the first sample has: squares stay numbers.
   if (sums_[kUnit] == 0.0) {
-    const double size = std::max({std::abs(terms.work), std::abs(terms.heat),
-                                  std::abs(terms.stored), std::abs(sums_[kBlockEnergy])});
+    const double size = std::max(
+        {std::abs(terms.work), std::abs(terms.heat), std::abs(terms.stored), std::abs(stored)});
     sums_[kUnit] = size > 0.0 ? std::ldexp(1.0, std::ilogb(size)) : 1.0;
   }
 
-  // The block stands for its stratum, and for those that it reaches over.
-  const std::int64_t first = place_[kStratum];
-  std::int64_t& next = place_[kStratum];
-  for (++next; next < strata_ && time_of(next) < end;) ++next;
-  const double length = end - begin;
-  const double stratum = (to_ - from_) / static_cast<double>(strata_);
-  const double stands_for =
-      whole_ ? length : std::max(length, stratum * static_cast<double>(next - first));
+  // A sample stands for its stratum; the last one of a window may be all that there is of it.
+  const std::int64_t stratum = length_of_stratum();
+  place_[kStratum] += stratum;
+  const auto length = static_cast<double>(steps);
+  const double stands_for = steps_ == stratum_ ? length : static_cast<double>(stratum);
   const double weight = stands_for / length;
-  sums_[kTime] += stands_for;
+  const SystemView<double>& view = run.model.system().view;
+  const double kinetic = kinetic_energy(run.model, view.position, view.velocity, run.clock.time());
+  const double numerical = terms.numerical();
+  sums_[kSteps] += stands_for;
   sums_[kWork] += weight * terms.size_of_work;
   sums_[kHeat] += weight * terms.size_of_heat;
   sums_[kKinetic] += stands_for * kinetic;
-  sums_[kStored] += stands_for * std::abs(sums_[kBlockEnergy]);
-  sums_[kBlockLength] = length;
-  sums_[kBlockWeight] = weight;
-}
-
-void EnergyBalance::close(double numerical) {
-  const double weight = sums_[kBlockWeight];
-  const double part = weight * sums_[kBlockLength] / (to_ - from_);
-  const double rate = numerical / sums_[kUnit] * ((to_ - from_) / sums_[kBlockLength]);
+  sums_[kStored] += stands_for * std::abs(stored);
   sums_[kNumerical] += weight * numerical;
   // The part of the stratum that was looked at has no uncertainty.
-  const double unseen = part * part * (1.0 - 1.0 / weight);
+  const double unseen = stands_for * stands_for * (1.0 - 1.0 / weight);
+  const double rate = numerical / (sums_[kUnit] * length);
   sums_[kSquares] += unseen * rate * rate;
   sums_[kCross] += unseen * rate;
   sums_[kWeights] += unseen;
-  place_[kOpen] = 0;
-  ++place_[kBlocks];
+  ++place_[kSamples];
 }
 
 std::optional<SampledWork> EnergyBalance::found() const {
-  if (place_[kBlocks] == 0) return {};
-  const double time = sums_[kTime];
-  const double whole = (to_ - from_) / time;
+  if (place_[kSamples] == 0) return {};
+  const double steps = sums_[kSteps];
+  const double whole = static_cast<double>(place_[kSeen]) / steps;
   SampledWork found;
   found.work = whole * sums_[kWork];
   found.heat = whole * sums_[kHeat];
-  found.kinetic = sums_[kKinetic] / time;
-  found.stored = sums_[kStored] / time;
+  found.kinetic = sums_[kKinetic] / steps;
+  found.stored = sums_[kStored] / steps;
   found.numerical = whole * sums_[kNumerical];
   if (sums_[kWeights] > 0.0) {
-    if (place_[kBlocks] < kFewest) return {};
-    const double mean = whole * sums_[kNumerical] / sums_[kUnit];
-    const auto blocks = static_cast<double>(place_[kBlocks]);
+    if (place_[kSamples] < kFewest) return {};
+    const double mean = sums_[kNumerical] / (sums_[kUnit] * steps);
+    const auto samples = static_cast<double>(place_[kSamples]);
     const double variance =
         sums_[kSquares] - 2.0 * mean * sums_[kCross] + mean * mean * sums_[kWeights];
     found.uncertainty =
-        whole * sums_[kUnit] * std::sqrt(std::max(0.0, variance) * blocks / (blocks - 1.0));
+        whole * sums_[kUnit] * std::sqrt(std::max(0.0, variance) * samples / (samples - 1.0));
   }
   return found;
 }

@@ -2,11 +2,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
+#include <vector>
 
+#include "framework/core/numbers/double_double.hpp"
 #include "framework/core/system/aligned.hpp"
-#include "framework/core/system/state_layout.hpp"
+#include "framework/core/system/stage.hpp"
 #include "framework/run/energy_terms.hpp"
 #include "framework/run/run.hpp"
 
@@ -16,8 +19,9 @@
 namespace tomlin {
 
 class BriefLedger;
-class Engine;
+class Observation;
 struct RunContext;
+struct RunMoment;
 
 /// A sum over a window, known from some of its steps.
 struct SampledWork {
@@ -34,21 +38,20 @@ struct SampledWork {
 /// also held against what its tolerance allows in so many steps.
 std::optional<Warning> doubt_of_balance(const SampledWork& found, bool sampled, RunContext& run);
 
-/// The balance of a run without a ledger, from short blocks of steps at random times, one in each
-/// of some equal parts of the window (stratified sampling). Where the scheme allows it, the run
-/// keeps a ledger during a block (BriefLedger). Elsewhere a second engine with a ledger takes the
-/// steps of a block from the run's own state; where steps are fixed, the energy that the run itself
-/// has after them counts. All that is known so far stands in the run's state.
+/// The balance of a run without a ledger, from some steps at random, some in each of many strata of
+/// its steps (stratified sampling). Where the scheme allows it, the run keeps a ledger during a
+/// block of steps (BriefLedger). Elsewhere work and heat of a single step are the integrals of
+/// their powers over its dense output, by a quadrature. Noise has no such path: a scene with a
+/// thermostat is not looked at. All that is known so far stands in the run's state.
 ///
-/// Evaluations of energies take time: parts are so long, and blocks so short, that the balance of a
-/// run which keeps the ledger itself costs a few per cent of it.
+/// Strata are so long that the balance takes a twentieth of the run's evaluations at most.
 class EnergyBalance {
  public:
   /// Numbers in the run state.
   static constexpr std::size_t reals(std::size_t rates) { return kReals + rates; }
   static constexpr std::size_t integers() { return kIntegers; }
 
-  EnergyBalance(const std::shared_ptr<const Scene>& scene, const RunOptions& options);
+  EnergyBalance();
   ~EnergyBalance();
   EnergyBalance(const EnergyBalance&) = delete;
   EnergyBalance& operator=(const EnergyBalance&) = delete;
@@ -56,61 +59,73 @@ class EnergyBalance {
   void attach(double* reals, std::int64_t* integers);
   /// Begins a window.
   void start(double from, double to);
-  /// Before the first step. Without effect where no ledger can be kept.
+  /// Before the first step. Without effect where nothing can be looked at.
   void prepare(RunContext& run);
 
   /// Before every step of the run, or as many as it said last; and at its end.
-  std::uint64_t look(RunContext& run);
-  /// Up to which time look() does nothing.
-  double idle_until(const RunContext& run) const;
+  std::int64_t look(RunContext& run);
+  /// How many steps there are before look() has something to do.
+  std::int64_t idle_steps(const RunContext& run);
+  /// The next step is looked into: it is taken alone, with dense output.
+  bool looks_into_step() const { return looks_into_step_; }
+  /// It has been taken from `begin` on, and the clock is at its end, `next_since` after the anchor.
+  void look_into(RunContext& run, Observation& observation, const DoubleDouble& begin,
+                 double next_since);
   /// At the end of the run. Nothing where too few steps were looked at.
   std::optional<SampledWork> found() const;
 
  private:
+  static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
   enum {
-    kBlockBegin,   ///< of the last block: the time
-    kBlockEnd,     ///< likewise, as planned
-    kBlockLength,  ///< its time
-    kBlockWeight,  ///< what it stands for, in parts of its length
-    kBlockEnergy,  ///< energy that the second engine has at its end, or the run at its begin
-    kOpenWork,     ///< numerical work of it
-    kTime,         ///< that blocks stand for
-    kWork,         ///< sums over blocks, by weight
+    kBlockBegin,    ///< of the last block that the run keeps a ledger of: the time
+    kStoredEnergy,  ///< where what is looked at begins
+    kSteps,         ///< that samples stand for
+    kWork,          ///< sums over samples, by weight
     kHeat,
     kKinetic,
     kStored,
     kNumerical,
     kUnit,     ///< of energies in the following ones; 0: not yet known
-    kSquares,  ///< for the standard error: of w^2 r^2; w is the part of the window that a block
-    kCross,    ///< stands for, r its numerical work in a window's time; of w^2 r
+    kSquares,  ///< for the standard error: of w^2 r^2; w are the steps that a sample stands for, r
+    kCross,    ///< is its numerical work in a step; of w^2 r
     kWeights,  ///< of w^2
     kReals     ///< followed by the running integrals where a block of the run's own began
   };
-  /// kDropped: the second engine has failed; nothing more is looked at.
-  enum { kStratum, kOpen, kBlocks, kDropped, kIntegers };
+  /// Steps count from the first one in the window: kFirst of the run.
+  enum { kStarted, kFirst, kSeen, kStratum, kOpen, kBlockFirst, kSamples, kIntegers };
+  /// Whether the run keeps a ledger: from the next step on, or for a block of steps.
+  enum { kNo, kFromNextStep, kYes };
 
-  double time_of(std::int64_t stratum) const;
-  bool looks() const { return (ledger_ || twin_) && place_[kDropped] == 0; }
-  void make_twin(RunState& state);
-  void open(RunContext& run);
-  void open_own(RunContext& run);
-  void close_own(RunContext& run, bool there);
-  void close_of_twin(RunContext& run, bool there);
-  void count(const EnergyTerms& terms, double begin, double end, double kinetic);
-  void close(double numerical);
+  /// What a force takes out of the scene.
+  struct Heat {
+    Operation<double> operation;
+    bool of_energy = false;  ///< of one that changes with time: work on the scene
+  };
 
-  std::shared_ptr<const Scene> scene_;
-  RunOptions options_;
-  std::unique_ptr<BriefLedger> ledger_;
-  std::unique_ptr<Engine> twin_;     ///< where the run cannot keep it
-  AlignedVector<double> integrals_;  ///< of the twin, where a block begins
+  bool looks() const { return stratum_ > 0; }
+  bool find_heats(RunContext& run);
+  std::int64_t length_of_stratum() const;
+  void open_block(RunContext& run);
+  std::int64_t go_on_with_block(RunContext& run);
+  void close_block(RunContext& run, std::int64_t steps);
+  void add_node(RunContext& run, const RunMoment& at, double weight);
+  void count(const RunContext& run, EnergyTerms terms, double stored, std::int64_t steps);
+
+  std::unique_ptr<BriefLedger> ledger_;  ///< null: single steps are looked into
+  std::vector<Heat> heats_;
+  AlignedVector<double> heat_rates_;
+  std::vector<double> heat_sums_;
+  AlignedVector<double> velocity_;  ///< that follows from forces
+  std::vector<double> none_;        ///< integrals before a step
+  std::vector<double> sums_of_rates_;
   double from_ = 0.0;
   double to_ = 0.0;
-  std::int64_t known_ = -1;  ///< the stratum whose block begins
-  double next_ = 0.0;        ///< at this time
-  std::int64_t strata_ = 0;
-  std::uint64_t steps_ = 0;  ///< in a block
-  bool whole_ = false;       ///< one block, or block after block of the second engine
+  std::int64_t stratum_ = 0;  ///< steps, at least; 0: nothing is looked at
+  std::int64_t steps_ = 1;    ///< that a sample has
+  bool grows_ = false;        ///< later strata are longer
+  bool looks_into_step_ = false;
+  std::int64_t known_ = -1;  ///< the stratum whose sample begins
+  std::int64_t next_ = 0;    ///< with this step
   double* sums_ = nullptr;
   std::int64_t* place_ = nullptr;
 };

@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstring>
 #include <iterator>
 #include <limits>
 #include <utility>
 #include <vector>
 
-#include "framework/core/numbers/quad.hpp"
 #include "framework/run/context.hpp"
 #include "framework/run/housekeeping.hpp"
 #include "framework/run/lane_batch.hpp"
@@ -25,8 +23,6 @@ namespace {
 
 /// Steps between looks at what is looked at now and then.
 constexpr std::uint64_t kBatch = 64 * kBlock;
-/// Coordinates: a second engine, which samples the energy balance, takes as much memory again.
-constexpr std::size_t kMostForASecondEngine = 100'000;
 
 }  // namespace
 
@@ -39,12 +35,9 @@ struct Engine::Parts {
   void begin();
   void check_observables();
   void resume(const std::vector<std::byte>& numbers);
-  void take_up_from(RunState& other);
-  void take_up();
   void go_on();
   void advance(std::uint64_t steps);
   std::int64_t steps_for_lanes();
-  std::int64_t steps_to_look(std::int64_t most) const;
   bool took(std::int64_t steps, const DoubleDouble& time);
   void step_alone(std::uint64_t limit);
   void look_if_due();
@@ -67,14 +60,6 @@ struct Engine::Parts {
   std::unique_ptr<Stepping> stepping;
   std::unique_ptr<EnergyBalance> balance;  ///< null where nothing is sampled
   AlignedVector<double> rates;             ///< when last read: at the end
-  /// A field of the state, and the same of the engine that is taken up: lengths in bytes.
-  struct TakenUp {
-    const std::byte* from = nullptr;
-    std::byte* to = nullptr;
-    std::size_t cleared = 0;
-    std::size_t copied = 0;
-  };
-  std::vector<TakenUp> taken_up;
 };
 
 Engine::Parts::Parts(const std::shared_ptr<const Scene>& scene, const RunOptions& options) try
@@ -93,21 +78,20 @@ Engine::Parts::Parts(const std::shared_ptr<const Scene>& scene, const RunOptions
     housekeeping.call_after_blocks([this] { until_error->look(); });
   }
   const SystemView<double>& view = run.model.system().view;
-  if (options.watches_energy && !scene->run.ledger && run.path == nullptr &&
-      view.dofs <= kMostForASecondEngine) {
-    balance = std::make_unique<EnergyBalance>(scene, options);
+  if (options.watches_energy && !scene->run.ledger && run.path == nullptr) {
+    balance = std::make_unique<EnergyBalance>();
     balance->start(until ? 0.0 : plan.window_from, until ? plan.duration : plan.window_to);
   }
   if (uncontrolled.any()) observation.evaluate_forces_within_steps();
   declare_state();
   attach();
   rates.assign(view.rates + 2 * kGroup, 0.0);
-  stepping = stepping_of({run, observation, triggers, housekeeping, uncontrolled, [this] {
-                            const bool more =
-                                until && until->end_period([this] { return measured(); });
-                            if (more) observation.next_window();
-                            return more;
-                          }});
+  stepping =
+      stepping_of({run, observation, triggers, housekeeping, uncontrolled, balance.get(), [this] {
+                     const bool more = until && until->end_period([this] { return measured(); });
+                     if (more) observation.next_window();
+                     return more;
+                   }});
   observation.start();
   // Whoever keeps what the run leaves hears of a failure, too.
   if (!run.attempt([this] { begin(); })) observation.samples().begin_sink();
@@ -226,58 +210,11 @@ void Engine::Parts::go_on() {
   observation.signals().set_directions();
 }
 
-/// Of running integrals, which it has others of, forces' own variables come first; the rest counts
-/// from here on.
-void Engine::Parts::take_up_from(RunState& other) {
-  taken_up.clear();
-  const auto find = [this](const auto& fields, const auto& from, std::size_t own, auto numbers) {
-    for (const StateLayout::Field& field : fields) {
-      const auto same = std::find_if(from.begin(), from.end(), [&](const StateLayout::Field& one) {
-        return one.name == field.name;
-      });
-      if (same == from.end()) continue;
-      const auto [source, target] = numbers(field.name);
-      TakenUp one{reinterpret_cast<const std::byte*>(source), reinterpret_cast<std::byte*>(target)};
-      if (field.name.find("integrals") == std::string::npos) {
-        if (same->count == field.count) one.copied = field.count * sizeof(*target);
-      } else if (!field.name.starts_with("window.")) {
-        one.cleared = field.count * sizeof(*target);
-        one.copied = own * sizeof(*target);
-      }
-      taken_up.push_back(one);
-    }
-  };
-  const std::size_t own = run.model.system().view.own_count;
-  const StateLayout& layout = run.state.layout();
-  const StateLayout& from = other.layout();
-  find(layout.reals(), from.reals(), own, [&](const std::string& name) {
-    return std::pair(other.reals(name), run.state.reals(name));
-  });
-  find(layout.integers(), from.integers(), own, [&](const std::string& name) {
-    return std::pair(other.integers(name), run.state.integers(name));
-  });
-  const bool in_float = run.scene->run.number_type == NumberType::single_precision;
-  find(layout.raw(), from.raw(), own * (in_float ? sizeof(float) : sizeof(Quad)),
-       [&](const std::string& name) {
-         return std::pair(other.numbers<std::byte>(name), run.state.numbers<std::byte>(name));
-       });
-}
-
-void Engine::Parts::take_up() {
-  for (const TakenUp& one : taken_up) {
-    std::memset(one.to, 0, one.cleared);
-    std::memcpy(one.to, one.from, one.copied);
-  }
-  run.model.attach(run.state);
-  run.integrator->forces_changed();
-  go_on();
-}
-
 void Engine::Parts::advance(std::uint64_t steps) {
   const std::uint64_t target = taken() + steps;
   while (!run.outcome.done() && taken() < target) {
     std::uint64_t most = target - taken();
-    if (balance) most = std::min(most, balance->look(run));
+    if (balance) most = std::min(most, static_cast<std::uint64_t>(balance->look(run)));
     stepping->advance(most);
   }
 }
@@ -307,30 +244,14 @@ RunResult Engine::Parts::end() {
 std::int64_t Engine::Parts::steps_for_lanes() {
   if (run.outcome.done()) return 0;
   auto most = static_cast<std::int64_t>(kBatch - taken() % kBatch);
-  if (run.plan.dt > 0.0) most = std::min(most / kBlock * kBlock, steps_to_look(most));
+  if (balance) most = std::min(most, balance->idle_steps(run));
+  if (run.plan.dt > 0.0) most = most / kBlock * kBlock;
   const std::int64_t steps = std::min(stepping->steps_for_lanes(), most);
   if (steps > 0) {
     // A batch evaluates the start of the next step itself.
     run.model.system().evaluations -= run.integrator->evaluations_ahead();
     run.integrator->rebased();
   }
-  return steps;
-}
-
-/// Whole blocks before the energy balance is looked at: at the first end of a block from the time
-/// on that it names. Of more than so many it is only said that there are more.
-std::int64_t Engine::Parts::steps_to_look(std::int64_t most) const {
-  if (!balance) return most;
-  const double dt = run.plan.dt;
-  const double idle = balance->idle_until(run);
-  const double left = (idle - run.clock.time()) / dt;
-  if (left > static_cast<double>(most)) return most;
-  // The quotient may be wrong by a rounding.
-  auto steps = static_cast<std::int64_t>(std::max(0.0, left - 1.0)) / kBlock * kBlock;
-  const auto time_after = [&] {
-    return static_cast<double>(two_prod(static_cast<double>(run.clock.grid_steps() + steps), dt));
-  };
-  while (steps < most && time_after() < idle) steps += kBlock;
   return steps;
 }
 
@@ -346,7 +267,7 @@ bool Engine::Parts::took(std::int64_t steps, const DoubleDouble& time) {
 void Engine::Parts::step_alone(std::uint64_t limit) {
   run.attempt([this, limit] {
     std::uint64_t most = std::min(limit, kBatch - taken() % kBatch);
-    if (balance) most = std::min(most, balance->look(run));
+    if (balance) most = std::min(most, static_cast<std::uint64_t>(balance->look(run)));
     stepping->advance(most);
     look_if_due();
   });
@@ -442,8 +363,6 @@ RunLayout Engine::layout() const { return parts_->observation.samples().layout()
 FinalState Engine::final_state() { return parts_->run.model.final_state(parts_->run.clock.now()); }
 const std::optional<PluginError>& Engine::thrown() const { return parts_->run.outcome.thrown; }
 void Engine::resume(const std::vector<std::byte>& numbers) { parts_->resume(numbers); }
-void Engine::take_up_from(RunState& other) { parts_->take_up_from(other); }
-void Engine::take_up() { parts_->take_up(); }
 void Engine::advance(std::uint64_t steps) { parts_->advance(steps); }
 std::int64_t Engine::steps_for_lanes() { return parts_->steps_for_lanes(); }
 bool Engine::took(std::int64_t steps, const DoubleDouble& time, std::uint64_t evaluations) {
@@ -457,10 +376,6 @@ void Engine::watch(std::int64_t first, std::size_t count, const PointStarts<doub
   parts_->observation.point_block(first, count, starts);
 }
 double Engine::next_due() const { return parts_->observation.next_due(); }
-double Engine::idle_until() const {
-  const auto& balance = parts_->balance;
-  return balance ? balance->idle_until(parts_->run) : std::numeric_limits<double>::infinity();
-}
 std::string Engine::why_not_in_lanes() const {
   const RunContext& run = parts_->run;
   std::string reason = tomlin::why_not_in_lanes(run.model);

@@ -47,10 +47,6 @@ class Engine {
   /// Go on from the numbers of another engine of the same scene: state().to_bytes(). Throws
   /// std::invalid_argument when they are not.
   void resume(const std::vector<std::byte>& numbers);
-  /// Go on from where another engine is, of the same scene but for what is observed and kept of it;
-  /// its state, which stays where it is, is named once.
-  void take_up_from(RunState& other);
-  void take_up();
 
   /// Take up to this many steps (fewer at the end of the run, or when one fails) with everything
   /// that a run does along the way. For benchmarks and tests.
@@ -66,10 +62,8 @@ class Engine {
   bool watches_steps() const;
   void watch(std::int64_t first, std::size_t count, const PointStarts<double>& starts);
   /// Where steps are adaptive: the run goes on by itself with a step that would end at this time or
-  /// later,
+  /// later.
   double next_due() const;
-  /// and with one that begins at this time or later.
-  double idle_until() const;
   /// Why the run takes all its steps by itself; empty: it may be in a batch.
   std::string why_not_in_lanes() const;
   /// One step, or what is left of a block, up to so many steps: one after the other they make the

@@ -48,7 +48,8 @@ void FixedGrid::advance(std::uint64_t most) {
   } else if (plain_left_ == 0) {
     plain_left_ = std::max<std::int64_t>(0, plain_steps());
   }
-  if (plain_left_ == 0 || parts_.observation.rotations().is_due_at_every_step()) {
+  if (plain_left_ == 0 || is_looked_into() ||
+      parts_.observation.rotations().is_due_at_every_step()) {
     take_one(up_to_switch({run_.since_anchor(), plan.dt, end_of_step(), true}));
     if (plain_left_ > 0) --plain_left_;
     return;

@@ -62,8 +62,7 @@ class LaneBatch {
     unsigned attempted = 0;         ///< evaluations of this step
     DoubleDouble now;
     // Of adaptive steps.
-    double due = 0.0;   ///< they end before this time
-    double idle = 0.0;  ///< and begin before this one
+    double due = 0.0;  ///< they end before this time
   };
 
   bool serve(std::size_t lane);

@@ -369,16 +369,9 @@ void Observation::integrate(const DoubleDouble& from, const DoubleDouble& to, do
   const double begin = part_at(window_.from().time);
   const double part = part_at(window_.to().time) - begin;
   if (!(part > 0.0)) return;
-  complete_dense(next_since);
-  for (std::size_t k = 0; k < kGaussNodes; ++k) {
-    const double theta = begin + part * kGaussNode[k];
-    run_.integrator->interpolate(theta, within_.position.data(), within_.velocity.data(),
-                                 within_.integrals.data());
-    const DoubleDouble time = from + theta * length;
-    const RunMoment moment =
-        moment_at(time, within_.position.data(), within_.velocity.data(), within_.integrals.data());
-    for (RunObserver* observer : at_nodes_) observer->node(moment, part * kGaussWeight[k] * length);
-  }
+  at_nodes(from, to, next_since, {begin, part}, [this](const RunMoment& moment, double weight) {
+    for (RunObserver* observer : at_nodes_) observer->node(moment, weight);
+  });
 }
 
 void Observation::look_at_end_of_step() {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -10,6 +11,8 @@
 #include <vector>
 
 #include "framework/core/system/aligned.hpp"
+#include "framework/run/context.hpp"
+#include "framework/run/gauss_rule.hpp"
 #include "framework/run/observer.hpp"
 #include "framework/run/observers/samples.hpp"
 
@@ -71,6 +74,16 @@ class Observation {
   bool watches() const { return !at_steps_.empty() || !at_blocks_.empty(); }
   /// Every step is looked into.
   bool looks_within_steps() const { return !at_nodes_.empty() || !at_ends_.empty(); }
+  /// A part of a step, in fractions of it.
+  struct Part {
+    double begin = 0.0;
+    double length = 1.0;
+  };
+  /// Calls use(moment, weight) at the nodes of a quadrature over a part of the step that has been
+  /// taken; weights are times. `next_since`: the step's end, after the anchor.
+  template <class Use>
+  void at_nodes(const DoubleDouble& from, const DoubleDouble& to, double next_since,
+                const Part& part, Use&& use);
   /// Integrates over the part of a step that lies in the window.
   void integrate(const DoubleDouble& from, const DoubleDouble& to, double next_since);
   /// At the start, and at the end of each step of the run.
@@ -143,5 +156,20 @@ class Observation {
   bool dense_is_complete_ = false;  ///< of the last step
   bool window_has_ended_ = false;
 };
+
+template <class Use>
+void Observation::at_nodes(const DoubleDouble& from, const DoubleDouble& to, double next_since,
+                           const Part& part, Use&& use) {
+  const double length = static_cast<double>(to - from);
+  complete_dense(next_since);
+  for (std::size_t k = 0; k < kGaussNodes; ++k) {
+    const double theta = part.begin + part.length * kGaussNode[k];
+    run_.integrator->interpolate(theta, within_.position.data(), within_.velocity.data(),
+                                 within_.integrals.data());
+    const RunMoment moment = moment_at(from + theta * length, within_.position.data(),
+                                       within_.velocity.data(), within_.integrals.data());
+    use(moment, part.length * kGaussWeight[k] * length);
+  }
+}
 
 }  // namespace tomlin

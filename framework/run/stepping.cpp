@@ -38,8 +38,8 @@ bool Stepping::take(const Step& step) {
   const bool waits = step.may_split && parts_.triggers.waiting();
   const double due = observation.next_due();
   // What falls on the end of a fixed step needs no interpolation.
-  const bool dense =
-      adaptive || waits || due < static_cast<double>(step.end) || observation.looks_within_steps();
+  const bool dense = adaptive || waits || due < static_cast<double>(step.end) ||
+                     observation.looks_within_steps() || is_looked_into();
   const bool may_be_taken_again = parts_.uncontrolled.any();
   if (waits || may_be_taken_again) run_.keep_state();
   if (may_be_taken_again) parts_.uncontrolled.begin_step();
@@ -65,6 +65,7 @@ bool Stepping::take(const Step& step) {
   run_.clock.add(1, step.to_grid ? 1 : 0);
   const double next_since = anchor_next();
   observation.integrate(begin, arrived, next_since);
+  if (is_looked_into()) parts_.balance->look_into(run_, observation, begin, next_since);
   bool whole = true;
   if (due <= static_cast<double>(arrived)) {
     whole = observation.serve(due, begin, arrived, next_since);

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "framework/run/context.hpp"
+#include "framework/run/energy_balance.hpp"
 #include "framework/run/housekeeping.hpp"
 #include "framework/run/observation.hpp"
 #include "framework/run/triggers.hpp"
@@ -21,6 +22,7 @@ struct StepParts {
   Triggers& triggers;
   Housekeeping& housekeeping;
   UncontrolledIntegrals& uncontrolled;
+  EnergyBalance* balance = nullptr;  ///< null where nothing is sampled
   /// True: another window begins where the last one has ended.
   std::function<bool()> window_ended;
 };
@@ -55,6 +57,10 @@ class Stepping {
   bool take(const Step& step);
   /// Nothing is looked at in or after every step.
   bool may_be_in_lanes() const;
+  /// The energy balance looks into the next step.
+  bool is_looked_into() const {
+    return parts_.balance != nullptr && parts_.balance->looks_into_step();
+  }
   /// The step, or as much of it as there is before a force becomes active or ceases to be.
   Step up_to_switch(Step step) const;
   /// The time of the next switch, less what is no step.

@@ -268,7 +268,7 @@ constexpr FaultKind kKinds[] = {
      "tomlin run pt.toml --set measure.to=5.0", "Take a longer window.", Severity::warning},
     {FaultCode::run_energy_balance, "run.energy_balance",
      "The energy balance does not close: the integrator itself adds or removes more than a "
-     "twentieth of work and heat.",
+     "twentieth of work and heat or, if it is adaptive, more than 300 of its tolerances.",
      "tomlin run pt.toml --set damping=0.0 --set run.integrator.dt=0.5",
      "Take shorter steps or finer tolerances; run.ledger = true gives the whole balance.",
      Severity::warning},

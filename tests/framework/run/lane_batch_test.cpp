@@ -429,6 +429,18 @@ TEST(LaneBatch, TheEnergyBalanceIsSampledAsInSingleRuns) {
          tip.damping = k % 2 == 0 ? 1.0 : 0.0;
          return tip.text();
        }},
+      {"long_verlet_tip",
+       [](int k) {
+         TipScene tip{.velocity = own(k, 0.05, 0.4), .duration = 200.0 + k};
+         tip.integrator = verlet(0.01);
+         return tip.text();
+       }},
+      {"long_overdamped_tip",
+       [](int k) {
+         TipScene tip{.velocity = own(k, 0.05, 0.4), .duration = 200.0 + k};
+         tip.more = "dynamics = \"overdamped\"\n";
+         return tip.text();
+       }},
       {"long_adaptive_tip", [](int k) {
          TipScene tip{.velocity = own(k, 0.05, 0.4), .duration = 300.0 + k};
          tip.integrator = adaptive(k == 1 ? 1e-2 : 1e-8);
