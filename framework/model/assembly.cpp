@@ -248,7 +248,7 @@ void Assembly<Real>::assign_rates() {
   SystemView<Real>& view = system_.view;
   view.own = padded(own);
   view.own_count = own;
-  view.rates = padded(rates);
+  view.rates = padded(rates + 1);  // one at least is left for a ledger that is kept for some steps
   view.used_rates = rates;
 }
 

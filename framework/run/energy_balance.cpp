@@ -121,7 +121,9 @@ void EnergyBalance::prepare(RunContext& run) {
     return;
   }
   ledger_ = nullptr;
-  if (has_thermostat(*run.scene) || !find_heats(run)) return;
+  // Of friction that a scheme splits off dense output shows the ends of steps alone.
+  const bool splits_friction = run.model.system().view.flow_count > 0;
+  if (has_thermostat(*run.scene) || splits_friction || !find_heats(run)) return;
   const int each = std::max(run.scheme.evaluations_per_step, 1);
   const double least = std::ceil(kEvaluationsOfStep / (kPartOfEvaluations * each));
   if (fixed && steps < static_cast<double>(kFewest) * least) return;

@@ -65,11 +65,11 @@ bool Stepping::take(const Step& step) {
   run_.clock.add(1, step.to_grid ? 1 : 0);
   const double next_since = anchor_next();
   observation.integrate(begin, arrived, next_since);
-  if (is_looked_into()) parts_.balance->look_into(run_, observation, begin, next_since);
   bool whole = true;
   if (due <= static_cast<double>(arrived)) {
     whole = observation.serve(due, begin, arrived, next_since);
   }
+  if (is_looked_into()) parts_.balance->look_into(run_, observation, begin, next_since);
   if (!end_step()) return false;
   observation.look_at_end_of_step();
   if (observation.window_has_ended() && parts_.window_ended()) {

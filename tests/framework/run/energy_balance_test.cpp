@@ -169,6 +169,21 @@ TEST(EnergyBalance, OfAnAdaptiveSchemeIsHeldAgainstItsTolerance) {
   }
 }
 
+/// Friction that a scheme splits off heats most within its steps, also where nothing is driven.
+TEST(EnergyBalance, OfLongStepsWithSplitFrictionCloses) {
+  for (const char* type : {"velocity_verlet", "baoab", "gjf"}) {
+    const std::string text =
+        "[[body]]\ntype = \"point\"\nposition = [0.0]\nparticle_mass = 1.0\n[[force]]\ntype = "
+        "\"constant_force\"\nforce = [1.0]\n[[force]]\ntype = \"viscous_damping\"\n"
+        "coefficient = 1.0\n[run]\nduration = 1e4\nallow_unstable = true\nintegrator = " +
+        fixed(type, 1.0) + "\n";
+    Engine engine(scene_of(text), {});
+    EXPECT_FALSE(warned(engine.run())) << type;
+    ASSERT_TRUE(engine.sampled_work()) << type;
+    EXPECT_NEAR(engine.sampled_work()->numerical, 0.0, kRounding * engine.sampled_work()->heat);
+  }
+}
+
 /// A steady torque by a formula puts in what a drag takes out: net heat is rounding, and without
 /// inertia no energy is stored that it would be small beside.
 TEST(EnergyBalance, IsHeldAgainstFlowsAndNotTheirDifference) {
