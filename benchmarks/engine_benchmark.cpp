@@ -293,6 +293,23 @@ void BM_golden_chain_1000(benchmark::State& state) {
 }
 BENCHMARK(BM_golden_chain_1000)->Name("golden_chain_1000/tomlin");
 
+/// The energy of bonds and substrate, as at both ends of what the balance of a run looks at.
+void BM_chain_energy_1000(benchmark::State& state) {
+  static Engine& engine = engine_for(chain("1000", "1.618033988749895"));
+  const SystemView<double>& view = engine.model().system().view;
+  const Stage<double> here =
+      stage_of(view, view.position, view.velocity, view.integrals, nullptr, 0.0);
+  for (auto _ : state) {
+    double total = 0.0;
+    for (const Model::Force& force : engine.model().forces()) total += force.energy(here);
+    benchmark::DoNotOptimize(total);
+  }
+  state.counters["s_per_step"] =
+      benchmark::Counter(static_cast<double>(state.iterations()),
+                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+BENCHMARK(BM_chain_energy_1000)->Name("chain_energy_1000/tomlin");
+
 void BM_golden_chain_100000(benchmark::State& state) {
   static Engine& engine = engine_for(chain("100000", "1.618033988749895"));
   run(state, engine, 1);

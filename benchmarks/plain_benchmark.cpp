@@ -119,6 +119,15 @@ void evaluate(benchmark::State& state, Model& model) {
                          benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
+template <class Math>
+void BM_plain_chain_energy_1000(benchmark::State& state) {
+  static const Chain<Math> model(1000, std::numbers::phi);
+  for (auto _ : state) benchmark::DoNotOptimize(model.energy());
+  state.counters["s_per_step"] =
+      benchmark::Counter(static_cast<double>(state.iterations()),
+                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
 void BM_plain_angles_1000(benchmark::State& state) {
   static Bending model(1000, 100.0);
   evaluate(state, model);
@@ -142,6 +151,8 @@ void BM_plain_dry_friction_1000(benchmark::State& state) {
 
 // Named MODEL/plain and MODEL/plain_own_math: main.cpp holds the engine's MODEL/tomlin against
 // them.
+BENCHMARK(BM_plain_chain_energy_1000<StdMath>)->Name("chain_energy_1000/plain");
+BENCHMARK(BM_plain_chain_energy_1000<OwnMath>)->Name("chain_energy_1000/plain_own_math");
 BENCHMARK(BM_plain_angles_1000)->Name("angles_1000/plain");
 BENCHMARK(BM_plain_varied_1000<StdMath>)->Name("varied_substrate_1000/plain");
 BENCHMARK(BM_plain_varied_1000<OwnMath>)->Name("varied_substrate_1000/plain_own_math");

@@ -707,6 +707,24 @@ double Chain<Math>::accelerations(const double* px, const double* pv, double t) 
 }
 
 template <class Math>
+[[gnu::noinline]] double Chain<Math>::energy() const {
+  const Math math(period);
+  double of_bonds = 0.0;
+  for (int i = 0; i + 1 < count; ++i) {
+    const double stretch = x[i + 1] - x[i] - rest_length;
+    of_bonds += stretch * stretch;
+  }
+  double of_sites = 0.0;
+  for (int i = 0; i < count; ++i) {
+    double sine = 0.0;
+    double cosine = 0.0;
+    math.sine_cosine(x[i], sine, cosine);
+    of_sites += cosine;
+  }
+  return 0.5 * bond_stiffness * of_bonds + amplitude_each * of_sites;
+}
+
+template <class Math>
 [[gnu::noinline]] void Chain<Math>::advance(std::int64_t steps, double h) {
   const int n = count;
   const double half = 0.5 * h;

@@ -243,6 +243,8 @@ struct Chain {
 
   explicit Chain(int particles, double spacing = 1.0);
   void advance(std::int64_t steps, double h);
+  // Of bonds and substrate.
+  double energy() const;
 
  private:
   double start_centre;

@@ -29,6 +29,7 @@ inline namespace TOMLIN_TARGET {
 
 struct HarmonicBonds {
   using Description = HarmonicBondsDescription;
+  static constexpr bool central = true;
 
   template <class T, int D>
   struct Parameters {

@@ -32,6 +32,7 @@ inline namespace TOMLIN_TARGET {
 
 struct MorseBonds {
   using Description = MorseBondsDescription;
+  static constexpr bool central = true;
 
   template <class T, int D>
   struct Parameters {

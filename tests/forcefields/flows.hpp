@@ -240,7 +240,7 @@ class MemoryWithFlow {
       });
     }
 
-    static constexpr KernelTable<double> kOwnTable = own_state_table<MemoryDamping, double>();
+    static constexpr ElementTable<double> kOwnTable = own_state_table<MemoryDamping, double>();
     static constexpr KernelTables kOwnTables = tables_of<double>({&kOwnTable, nullptr, nullptr});
 
     BodySlot<double> slot_;

@@ -23,12 +23,13 @@ inline constexpr std::uint64_t kSeeds[] = {20240611, 7, 424242};
 /// The kernels that a force on particles takes from a table. No others are made: compiling them
 /// for every wrong evaluator would take minutes.
 template <class E, class Real>
-constexpr KernelTable<Real> particle_table() {
-  KernelTable<Real> table;
+constexpr ElementTable<Real> particle_table() {
+  ElementTable<Real> table;
   const auto fill = [&]<int D>() {
     table.site.set[D - 1] = &site_kernel<E, Real, D, true>;
     table.site.add[D - 1] = &site_kernel<E, Real, D, false>;
     if constexpr (E::reads.velocity) table.heat[D - 1] = &heat_kernel<E, Real, D>;
+    if constexpr (HasEnergy<E, D, Site>) table.site_energy[D - 1] = &site_energy<E, Real, D>;
   };
   fill.template operator()<1>();
   fill.template operator()<2>();
@@ -38,7 +39,7 @@ constexpr KernelTable<Real> particle_table() {
 
 /// Tables of one number type.
 template <class Real>
-constexpr KernelTables tables_of(const TablesBySet<KernelTable<Real>>& sets) {
+constexpr KernelTables tables_of(const TablesBySet<ElementTable<Real>>& sets) {
   KernelTables tables;
   if constexpr (std::is_same_v<Real, double>) {
     tables.in_double = sets;
@@ -51,7 +52,7 @@ constexpr KernelTables tables_of(const TablesBySet<KernelTable<Real>>& sets) {
 }
 
 template <class E, class Real>
-inline constexpr KernelTable<Real> kTableOf = particle_table<E, Real>();
+inline constexpr ElementTable<Real> kTableOf = particle_table<E, Real>();
 template <class E, class Real>
 inline constexpr KernelTables kTablesOf = tables_of<Real>({&kTableOf<E, Real>, nullptr, nullptr});
 /// E on the plain instruction set, and what differs on the wider ones.

@@ -528,7 +528,7 @@ struct MemoryFadesFaster : MemoryDamping {
 };
 
 template <class E>
-inline constexpr KernelTable<double> kOwnStateTable = own_state_table<E, double>();
+inline constexpr ElementTable<double> kOwnStateTable = own_state_table<E, double>();
 template <class E>
 inline constexpr KernelTables kOwnStateTables = tables_of<double>({&kOwnStateTable<E>, nullptr,
                                                                    nullptr});

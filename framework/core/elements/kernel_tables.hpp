@@ -2,6 +2,7 @@
 
 #include <type_traits>
 
+#include "framework/core/elements/energy_kernels.hpp"
 #include "framework/core/numbers/quad.hpp"
 #include "framework/core/system/instruction_set.hpp"
 #include "framework/core/system/kernel_arguments.hpp"
@@ -42,7 +43,7 @@ struct TablesByType {
   }
 };
 
-using KernelTables = TablesByType<KernelTable>;
+using KernelTables = TablesByType<ElementTable>;
 
 }  // namespace tomlin
 
@@ -101,4 +102,4 @@ using KernelTables = TablesByType<KernelTable>;
       TOMLIN_TABLES_FLOAT(Name##_float_baseline, Name##_float_avx2, Name##_float_avx512), \
       TOMLIN_TABLES_QUAD(Name##_Quad_baseline)};                                          \
   }
-#define TOMLIN_DECLARE_KERNELS(Evaluator) TOMLIN_DECLARE_TABLES(Evaluator, KernelTable)
+#define TOMLIN_DECLARE_KERNELS(Evaluator) TOMLIN_DECLARE_TABLES(Evaluator, ElementTable)

@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "framework/core/elements/element.hpp"
+#include "framework/core/elements/energy_kernels.hpp"
 #include "framework/core/elements/lane_kernels.hpp"
 #include "framework/core/elements/nearest_image.hpp"
 #include "framework/core/numbers/math.hpp"
@@ -23,6 +24,8 @@
 ///               static Vec<T,D> force(const Parameters<T,D>&, const Pair<T,D>&);   on the first
 ///   (energy or force may be missing: a force without energy is not conservative, an energy
 ///   without force is differentiated)
+///   pairs may have  static constexpr bool central = true;   where force(-separation) is
+///               -force(separation) to the last bit: replicas then evaluate such a pair once
 ///   static const double* table(const Description&);   where reads.table: numbers that stay where
 ///                                                     they are as long as the description
 ///   drivers:    static T power(const Parameters<T,D>&, const Site<T,D>&, const Vec<T,D>& force);
@@ -158,6 +161,33 @@ TOMLIN_FLATTEN void heat_kernel(const void* arguments, const Stage<Real>& stage)
     heat = heat - without_padding<Real>(power, i, a.body.count);
   }
   stage.rates[a.rate] = sum(heat);
+}
+
+/// The energy of all sites, by the one rule of sums over particles.
+template <class E, class Real, int D, bool varied = false>
+TOMLIN_FLATTEN Real site_energy(const void* arguments, const Stage<Real>& stage) {
+  using Group = Packed<Real>;
+  const SiteArguments<Real> a = *static_cast<const SiteArguments<Real>*>(arguments);
+  auto p = site_in_all_lanes<E, Real, D>(a.parameters);
+  const Real* x = (a.body.mapped ? stage.mapped_position : stage.position) + a.body.offset;
+  [[maybe_unused]] const Real* v =
+      (a.body.mapped ? stage.mapped_velocity : stage.velocity) + a.body.offset;
+  const std::size_t stride = a.body.stride;
+  Group total(Real(0.0));
+  for (std::size_t i = 0; i < a.body.count; i += kGroup) {
+    if constexpr (varied) p = site_of_each<E, Real, D>(a.each + i, stride);
+    Site<Group, D> site;
+    for (int d = 0; d < D; ++d) {
+      site.position[d] = Group::load(x + d * stride + i);
+      if constexpr (E::reads.velocity) site.velocity[d] = Group::load(v + d * stride + i);
+      if constexpr (E::reads.start) site.start[d] = Group::load(a.start + d * stride + i);
+    }
+    site.elapsed = Group(stage.elapsed);
+    site.frame = p.frame;
+    if constexpr (E::reads.table) site.table = a.table;
+    total += without_padding<Real>(E::energy(p.own, site), i, a.body.count);
+  }
+  return sum(total);
 }
 
 // ---- the centre of mass of a body, or one particle of it ----------------------------------------
@@ -484,10 +514,44 @@ TOMLIN_FLATTEN void pair_list_kernel(const void* arguments, const Stage<Real>& s
   share_out_pairs(a, stage, D);
 }
 
+/// The energy of pairs of any kind, each with its own image. Energies are evaluated seldom, so that
+/// pairs may be gathered one by one.
+template <class E, class Real, int D>
+TOMLIN_FLATTEN Real pair_energy(const void* arguments, const Stage<Real>& stage) {
+  using Group = Packed<Real>;
+  const auto a = *static_cast<const PairEnergyArguments<Real>*>(arguments);
+  const auto p = in_all_lanes<E, Real, D>(a.parameters);
+  const Real* x1 = (a.first.mapped ? stage.mapped_position : stage.position) + a.first.offset;
+  const Real* x2 = (a.second.mapped ? stage.mapped_position : stage.position) + a.second.offset;
+  Group total(Real(0.0));
+  for (std::size_t k = 0; k < a.count; k += kGroup) {
+    alignas(64) Real apart[D][kGroup];
+    alignas(64) Real image[D][kGroup];
+    alignas(64) Real datum[kGroup];
+    for (std::size_t lane = 0; lane < kGroup; ++lane) {
+      const BoundPair<Real>& bound = a.pairs[k + lane < a.count ? k + lane : a.count - 1];
+      for (int d = 0; d < D; ++d) {
+        apart[d][lane] = x2[d * a.second.stride + bound.j] - x1[d * a.first.stride + bound.i];
+        image[d][lane] = Real(bound.image[d]);
+      }
+      datum[lane] = bound.datum;
+    }
+    Pair<Group, D> pair;
+    for (int d = 0; d < D; ++d) {
+      const Group way = Group::load(apart[d]);
+      pair.separation[d] =
+          a.box[d] > Real(0.0) ? nearest_image(way, a.box[d]) : way + Group::load(image[d]);
+    }
+    pair.datum = Group::load(datum);
+    total += without_padding<Real>(E::energy(p, pair), k, a.count);
+  }
+  return sum(total);
+}
+
 // ---- tables -------------------------------------------------------------------------------------
 
 template <class E, class Real, int D>
-constexpr void fill_table(KernelTable<Real>& table) {
+constexpr void fill_table(ElementTable<Real>& table) {
   if constexpr (HasForce<E, D, Site> || HasEnergy<E, D, Site>) {
     table.site.set[D - 1] = &site_kernel<E, Real, D, true>;
     table.site.add[D - 1] = &site_kernel<E, Real, D, false>;
@@ -499,6 +563,12 @@ constexpr void fill_table(KernelTable<Real>& table) {
     if constexpr (!DoesWork<E, D> && !E::reads.start && !E::reads.time) {
       table.varied_site[D - 1] = &site_kernel<E, Real, D, false, true>;
       if constexpr (E::reads.velocity) table.varied_heat[D - 1] = &heat_kernel<E, Real, D, true>;
+    }
+    if constexpr (HasEnergy<E, D, Site>) {
+      table.site_energy[D - 1] = &site_energy<E, Real, D>;
+      if (table.varied_site[D - 1]) {
+        table.varied_site_energy[D - 1] = &site_energy<E, Real, D, true>;
+      }
     }
     if constexpr (D == 1 && !E::reads.table) table.point = &point_kernel<E, Real>;
     // A table of numbers differs between replicas, and its kernel reads one.
@@ -514,6 +584,7 @@ constexpr void fill_table(KernelTable<Real>& table) {
     table.chain.set[D - 1] = &chain_kernel<E, Real, D, true>;
     table.chain.add[D - 1] = &chain_kernel<E, Real, D, false>;
     table.pair_list.add[D - 1] = &pair_list_kernel<E, Real, D>;
+    if constexpr (HasEnergy<E, D, Pair>) table.pair_energy[D - 1] = &pair_energy<E, Real, D>;
     if constexpr (std::is_same_v<Real, double>) {
       table.lanes.cyclic[D - 1] = &cyclic_over_lanes<E, D>;
       table.lanes.chain[D - 1] = &chain_over_lanes<E, D>;
@@ -529,7 +600,7 @@ constexpr auto kernel_table() {
   if constexpr (requires { E::template kernels<Real>(); }) {
     return E::template kernels<Real>();
   } else {
-    KernelTable<Real> table;
+    ElementTable<Real> table;
     fill_table<E, Real, 1>(table);
     fill_table<E, Real, 2>(table);
     fill_table<E, Real, 3>(table);

@@ -241,8 +241,15 @@ TOMLIN_INLINE Vec<Pack, D> pair_in_lanes(const typename E::template Parameters<P
   return force_on<E, Pack, D>(p, pair);
 }
 
-/// Numbers: the parameters, then the pairs' own, [row * row_stride + particle]. Scratch:
-/// [row][axis] [particle].
+/// Two evaluations of a pair, from either of its particles, have the same bits but for the sign.
+template <class E>
+concept CentralForce = requires {
+  requires E::central;
+};
+
+/// Numbers: the parameters, then the pairs' own, [row * row_stride + particle]. Scratch, for eight
+/// replicas after eight: what pulls each particle forwards, [axis][particle], and the forces of
+/// pairs, [row][axis][particle].
 template <class E, int D>
 TOMLIN_FLATTEN void cyclic_over_lanes(const void* arguments, const Stage<double>& stage) {
   const LaneArguments l = *static_cast<const LaneArguments*>(arguments);
@@ -250,35 +257,47 @@ TOMLIN_FLATTEN void cyclic_over_lanes(const void* arguments, const Stage<double>
   const std::size_t count = a.body.count;
   const std::size_t rows = a.rows;
   const std::size_t row_stride = a.row_stride;
-  const bool half_row_last = a.half_row_last;
+  const std::size_t backwards = a.half_row_last ? rows - 1 : rows;
+  // On a line the direction of a pair without separation does not change its sign.
+  const bool is_halved = a.half_row_last && D > 1 && CentralForce<E>;
   const std::size_t w = l.width;
+  double* const forwards = l.scratch;
+  double* const result = forwards + static_cast<std::size_t>(D) * count * kGroup;
+  const auto at = [count](std::size_t row, int d, std::size_t i) TOMLIN_INLINE_LAMBDA {
+    return ((row * static_cast<std::size_t>(D) + static_cast<std::size_t>(d)) * count + i) * kGroup;
+  };
   for (std::size_t lane = 0; lane < w; lane += kGroup) {
     const LaneParticles body(l, a.body, stage, lane);
     const double* numbers = l.numbers + lane;
     const double* data = numbers + kPairNumbers<E, D> * w;
-    double* result = l.scratch + lane;
     const auto p = in_lanes<typename E::template Parameters<Pack, D>>(numbers, w);
-    for (std::size_t row = 0; row < rows; ++row) {
-      double* of_row = result + row * static_cast<std::size_t>(D) * count * w;
-      for (std::size_t i = 0; i < count; ++i) {
-        const std::size_t j = i + row + 1 < count ? i + row + 1 : i + row + 1 - count;
-        const Vec<Pack, D> force = pair_in_lanes<E, D>(p, body.place<D>(j) - body.place<D>(i),
-                                                       data + (row * row_stride + i) * w);
-        for (int d = 0; d < D; ++d) force[d].store(of_row + body.at(d, i));
-      }
-    }
     // As for one run: forwards row by row, then backwards from the furthest.
     for (std::size_t i = 0; i < count; ++i) {
-      for (int d = 0; d < D; ++d) {
-        const double* of_axis = result + body.at(d, 0);
-        const std::size_t per_row = static_cast<std::size_t>(D) * count * w;
-        Pack total(0.0);
-        for (std::size_t row = 0; row < rows; ++row) {
-          total += Pack::load(of_axis + row * per_row + i * w);
+      const Vec<Pack, D> here = body.place<D>(i);
+      const std::size_t evaluated = is_halved && i >= count / 2 ? rows - 1 : rows;
+      Vec<Pack, D> total;
+      for (int d = 0; d < D; ++d) total[d] = Pack(0.0);
+      for (std::size_t row = 0; row < evaluated; ++row) {
+        const std::size_t j = i + row + 1 < count ? i + row + 1 : i + row + 1 - count;
+        const Vec<Pack, D> force =
+            pair_in_lanes<E, D>(p, body.place<D>(j) - here, data + (row * row_stride + i) * w);
+        for (int d = 0; d < D; ++d) {
+          force[d].store(result + at(row, d, i));
+          total[d] += force[d];
         }
-        for (std::size_t row = half_row_last ? rows - 1 : rows; row-- > 0;) {
+      }
+      for (int d = 0; d < D; ++d) {
+        if (evaluated < rows)
+          total[d] = total[d] - Pack::load(result + at(rows - 1, d, i - count / 2));
+        total[d].store(forwards + at(0, d, i));
+      }
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      for (int d = 0; d < D; ++d) {
+        Pack total = Pack::load(forwards + at(0, d, i));
+        for (std::size_t row = backwards; row-- > 0;) {
           const std::size_t j = i >= row + 1 ? i - row - 1 : i + count - row - 1;
-          total = total - Pack::load(of_axis + row * per_row + j * w);
+          total = total - Pack::load(result + at(row, d, j));
         }
         put_lanes(l.set, body.force + body.at(d, i), total);
       }

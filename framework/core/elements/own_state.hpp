@@ -102,9 +102,22 @@ TOMLIN_FLATTEN void own_heat_kernel(const void* arguments, const Stage<Real>& st
   stage.rates[a.heat_rate] = sum(total);
 }
 
+template <class E, class Real, int D>
+TOMLIN_FLATTEN Real own_state_energy(const void* arguments, const Stage<Real>& stage) {
+  using Group = Packed<Real>;
+  const auto a = *static_cast<const OwnStateArguments<Real>*>(arguments);
+  const auto p = in_all_lanes<E, Real, D>(a.parameters);
+  Group total(Real(0.0));
+  for (std::size_t i = 0; i < a.body.count; i += kGroup) {
+    const Group energy = E::energy(p, own_site_at<Real, D>(a, stage, i));
+    total += without_padding<Real>(energy, i, a.body.count);
+  }
+  return sum(total);
+}
+
 template <class E, class Real>
-constexpr KernelTable<Real> own_state_table() {
-  KernelTable<Real> table;
+constexpr ElementTable<Real> own_state_table() {
+  ElementTable<Real> table;
   table.site = {{&own_state_kernel<E, Real, 1, true>, &own_state_kernel<E, Real, 2, true>,
                  &own_state_kernel<E, Real, 3, true>},
                 {&own_state_kernel<E, Real, 1, false>, &own_state_kernel<E, Real, 2, false>,
@@ -112,6 +125,9 @@ constexpr KernelTable<Real> own_state_table() {
   table.heat[0] = &own_heat_kernel<E, Real, 1>;
   table.heat[1] = &own_heat_kernel<E, Real, 2>;
   table.heat[2] = &own_heat_kernel<E, Real, 3>;
+  table.site_energy[0] = &own_state_energy<E, Real, 1>;
+  table.site_energy[1] = &own_state_energy<E, Real, 2>;
+  table.site_energy[2] = &own_state_energy<E, Real, 3>;
   return table;
 }
 

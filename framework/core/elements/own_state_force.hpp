@@ -8,7 +8,6 @@
 #include "framework/core/elements/kernel_tables.hpp"
 #include "framework/core/elements/own_state.hpp"
 #include "framework/core/elements/site_force.hpp"
-#include "framework/core/numbers/sum.hpp"
 
 /// Bound forces with a vector of their own for each particle, made from an evaluator.
 namespace tomlin {
@@ -42,11 +41,7 @@ class OwnStateForce : public BoundForce<Real> {
   }
 
   Real energy(const Stage<Real>& stage) const override {
-    InterleavedSum<Real> total;
-    for (std::size_t i = 0; i < body_.slot.count; ++i) {
-      total.add(i, E::energy(parameters_, site(stage, i)));
-    }
-    return total.total();
+    return table_.site_energy[D - 1](&arguments_, stage);
   }
 
   bool heat(std::ptrdiff_t rate, Operation<Real>& operation) override {
@@ -57,16 +52,8 @@ class OwnStateForce : public BoundForce<Real> {
   }
 
  private:
-  OwnSite<Real, D> site(const Stage<Real>& stage, std::size_t i) const {
-    OwnSite<Real, D> site;
-    site.position = vector_at<D>(body_.slot, stage.position, stage.mapped_position, i);
-    site.velocity = vector_at<D>(body_.slot, stage.velocity, stage.mapped_velocity, i);
-    for (int d = 0; d < D; ++d) site.own[d] = stage.own[arguments_.own + d * body_.slot.count + i];
-    return site;
-  }
-
   typename E::template Parameters<Real, D> parameters_;
-  const KernelTable<Real>& table_;
+  const ElementTable<Real>& table_;
   BoundBody<Real> body_;
   int rank_;
   OwnStateArguments<Real> arguments_;

@@ -19,7 +19,6 @@
 #include "framework/core/elements/pairs.hpp"
 #include "framework/core/elements/site_force.hpp"
 #include "framework/core/numbers/number_types.hpp"
-#include "framework/core/numbers/sum.hpp"
 #include "framework/core/records/bound_force.hpp"
 #include "framework/core/records/parameter.hpp"
 
@@ -78,11 +77,11 @@ class PairForce : public BoundForce<Real> {
   }
 
   Real energy(const Stage<Real>& stage) const override {
-    InterleavedSum<Real> total;
-    for (std::size_t k = 0; k < pairs_.size(); ++k) {
-      total.add(k, E::energy(parameters_, pair(stage, pairs_[k])));
-    }
-    return total.total();
+    PairEnergyArguments<Real> all{body_.slot, other_.slot, &parameters_, pairs_.data(),
+                                  pairs_.size()};
+    for (int d = 0; d < D && by_nearest_image_; ++d) all.box[d] = Real(box_[d]);
+    const EnergyKernel<Real> kernel = tables_.pair_energy[D - 1];
+    return kernel ? kernel(&all, stage) : Real(0.0);
   }
 
   void hessian(const Stage<Real>& stage, HessianSink& sink) const override {
@@ -166,7 +165,7 @@ class PairForce : public BoundForce<Real> {
         case PairTopology::ring:
           form.kernel = tables_.lanes.cyclic[D - 1];
           form.numbers = {parameters, datum_};
-          form.scratch = cyclic_.rows * D * body_.slot.count;
+          form.scratch = (cyclic_.rows + 1) * D * body_.slot.count;
           break;
         case PairTopology::chain:
           form.kernel = tables_.lanes.chain[D - 1];
@@ -285,7 +284,7 @@ class PairForce : public BoundForce<Real> {
   }
 
   Parameters parameters_;
-  const KernelTable<Real>& tables_;
+  const ElementTable<Real>& tables_;
   BoundBody<Real> body_;
   BoundBody<Real> other_;
   std::array<double, 3> box_;

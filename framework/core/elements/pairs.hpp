@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "framework/core/elements/energy_kernels.hpp"
 #include "framework/core/numbers/vec.hpp"
 #include "framework/core/records/bound_force.hpp"
 #include "framework/core/records/neighbours.hpp"
@@ -15,15 +16,6 @@
 
 /// The pairs of particles that a force acts on, and how a list of them is laid out for its kernel.
 namespace tomlin {
-
-/// One pair, with the number of its own that the evaluator reads (a rest length, say).
-template <class Real>
-struct BoundPair {
-  std::size_t i = 0;              ///< of the first body
-  std::size_t j = 0;              ///< of the second, or of the same
-  std::array<double, 3> image{};  ///< through a periodic box: added to the way from i to j
-  Real datum{};
-};
 
 /// What the pairs of a force look like to the loops.
 enum class PairTopology {

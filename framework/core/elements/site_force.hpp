@@ -183,6 +183,7 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
         lanes_(tables.on<Real>(binding.set).lanes),
         point_(tables.on<Real>(binding.set).point),
         heat_kernel_(tables.on<Real>(binding.set).heat[D - 1]),
+        energy_(tables.on<Real>(binding.set).site_energy[D - 1]),
         rank_(rank) {
     arguments_.body = this->body_.slot;
     arguments_.parameters = &this->with_frame_;
@@ -190,6 +191,7 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
       variations_.assign(binding.variations.begin(), binding.variations.end());
       varied_kernel_ = tables.on<Real>(binding.set).varied_site[D - 1];
       heat_kernel_ = tables.on<Real>(binding.set).varied_heat[D - 1];
+      energy_ = tables.on<Real>(binding.set).varied_site_energy[D - 1];
       vary(binding.origin);
     }
     if constexpr (E::reads.table) arguments_.table = E::table(this->description_);
@@ -236,13 +238,7 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
   }
 
   Real energy(const Stage<Real>& stage) const override {
-    InterleavedSum<Real> total;
-    if constexpr (HasEnergy<E, D, Site>) {
-      for (std::size_t i = 0; i < this->body_.slot.count; ++i) {
-        total.add(i, E::energy(at(i).own, site(stage, i)));
-      }
-    }
-    return total.total();
+    return energy_ ? energy_(&arguments_, stage) : Real(0.0);
   }
 
   bool heat(std::ptrdiff_t rate, Operation<Real>& operation) override {
@@ -350,6 +346,7 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
   const LaneKernels& lanes_;
   PointKernel<Real> point_;
   Kernel<Real> heat_kernel_;
+  EnergyKernel<Real> energy_;  ///< null: the force has none
   int rank_;
   SiteArguments<Real> arguments_;
   HeatArguments<Real> heat_;

@@ -290,6 +290,18 @@ class FormulaForce : public BoundForce<Real> {
     return std::nullopt;
   }
 
+  /// The sum of an energy over all elements. A kernel of heats adds up what the only output of its
+  /// code takes out, whatever the code computes.
+  template <class Arguments>
+  Real energy_by(Kernel<Real> kernel, Arguments arguments, const Stage<Real>& stage) const {
+    Real taken(0.0);
+    Stage<Real> here = stage;
+    here.rates = &taken;
+    arguments.rate = 0;
+    kernel(&arguments, here);
+    return Real(0.0) - taken;
+  }
+
   FormulaView<Real> view(const FormulaProgram<Real>& program) const {
     return program.view(start_of_time_, law_.depends_on_time());
   }
@@ -392,12 +404,8 @@ class ParticleFormula final : public FormulaForce<Real> {
   }
 
   Real energy(const Stage<Real>& stage) const override {
-    InterleavedSum<Real> total;
     if (this->energy_.empty()) return Real(0.0);
-    for (std::size_t i = 0; i < body_.slot.count; ++i) {
-      total.add(i, this->evaluate(this->energy_, inputs_at(&stage, i), stage.elapsed)[0]);
-    }
-    return total.total();
+    return this->energy_by(this->kernels_.site_heat, arguments_for(this->energy_), stage);
   }
 
   void hessian(const Stage<Real>& stage, HessianSink& sink) const override {
@@ -697,12 +705,10 @@ class PairFormula final : public FormulaForce<Real> {
   }
 
   Real energy(const Stage<Real>& stage) const override {
-    InterleavedSum<Real> total;
-    for (std::size_t k = 0; k < pairs_.size(); ++k) {
-      const Real r = distance_of(separation(&stage, pairs_[k]));
-      total.add(k, this->evaluate(this->energy_, {r}, stage.elapsed)[0]);
-    }
-    return total.total();
+    if (pairs_.empty()) return Real(0.0);
+    FormulaPairArguments<Real> all = arguments_;
+    all.code = this->view(this->energy_);
+    return this->energy_by(this->kernels_.pair_heat, all, stage);
   }
 
   /// V'' along the pair, V'/r across it.
@@ -844,12 +850,10 @@ class AngleFormula final : public FormulaForce<Real> {
   }
 
   Real energy(const Stage<Real>& stage) const override {
-    InterleavedSum<Real> total;
-    for (std::size_t k = 0; k < angles_.size(); ++k) {
-      const Real theta = angle_of(bonds(&stage, k));
-      total.add(k, this->evaluate(this->energy_, {theta}, stage.elapsed)[0]);
-    }
-    return total.total();
+    if (angles_.empty()) return Real(0.0);
+    FormulaAngleArguments<Real> all = arguments_;
+    all.code = this->view(this->energy_);
+    return this->energy_by(this->kernels_.angle_heat, all, stage);
   }
 
   /// With c = cos(theta): V_c d2c + (V'' - V' cot(theta)) dtheta dtheta, V_c = -V'/sin(theta). The
