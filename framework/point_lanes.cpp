@@ -16,8 +16,9 @@ namespace {
 
 LaneBlock block_of(const System<double>& run, std::span<const Kernel<double>> forces,
                    const TipBlocks& blocks) {
-  constexpr std::size_t kRates = 2;  // force and power of the spring
-  if (run.view.used_rates != kRates) return nullptr;
+  // Force and power of the spring; with a ledger those of the damper, too.
+  const bool has_heat = forces.size() == 4;
+  if (run.view.used_rates != (has_heat ? 4 : 2)) return nullptr;
   const auto on = [&](const KernelTables& tables) -> const LaneKernels& {
     return tables.on<double>(run.set).lanes;
   };
@@ -27,8 +28,11 @@ LaneBlock block_of(const System<double>& run, std::span<const Kernel<double>> fo
   const auto are = [&](std::initializer_list<Kernel<double>> these) {
     return std::equal(forces.begin(), forces.end(), these.begin(), these.end());
   };
+  const Kernel<double> heat = on(kernels::ViscousDamping).heat[0];
   if (are({spring, damping, substrate})) return blocks.spring_first;
   if (are({damping, spring, substrate})) return blocks.damping_first;
+  if (are({spring, damping, substrate, heat})) return blocks.spring_first_with_heat;
+  if (are({damping, spring, substrate, heat})) return blocks.damping_first_with_heat;
   return nullptr;
 }
 

@@ -20,6 +20,8 @@ namespace tomlin {
 struct TipBlocks {
   LaneBlock spring_first = nullptr;
   LaneBlock damping_first = nullptr;
+  LaneBlock spring_first_with_heat = nullptr;
+  LaneBlock damping_first_with_heat = nullptr;
 };
 struct PointLanesTable {
   TipBlocks rk4;
@@ -28,11 +30,20 @@ struct PointLanesTable {
 
 inline namespace TOMLIN_TARGET {
 
+/// For the energy ledger, after the force itself: force and power that it takes out, as rates.
+template <class Force>
+struct HeatOf : Force {};
+template <class Force>
+inline constexpr bool kIsHeat = false;
+template <class Force>
+inline constexpr bool kIsHeat<HeatOf<Force>> = true;
+
 /// Particles with these forces, in the order of the system's operations; their rates stand in this
 /// order too.
 template <class... Forces>
 struct PointReplicas {
-  static constexpr std::size_t kRates = (0 + ... + (DoesWork<Forces, 1> ? 2 : 0));
+  static constexpr std::size_t kRates =
+      (0 + ... + (DoesWork<Forces, 1> || kIsHeat<Forces> ? 2 : 0));
 
   const double* numbers[sizeof...(Forces)];
 
@@ -69,11 +80,17 @@ struct PointReplicas {
       site.elapsed = Pack(elapsed);
       site.frame = p.frame;
       const Vec<Pack, 1> force = force_on<E, Pack, 1>(p.own, site);
-      total = k++ == 0 ? force[0] : total + force[0];
+      if constexpr (kIsHeat<E>) {
+        *rates++ = force[0];
+        *rates++ = -dot(force, site.velocity);
+      } else {
+        total = k == 0 ? force[0] : total + force[0];
+      }
       if constexpr (DoesWork<E, 1>) {
         *rates++ = force[0];
         *rates++ = E::power(p.own, site, force);
       }
+      ++k;
     }
   };
   TOMLIN_INLINE Particle particle(const SystemView<double>& s, std::size_t lane) const {
@@ -91,10 +108,15 @@ struct PointLanes {
   template <class Tableau>
   static constexpr TipBlocks tips() {
     using Steps = FixedStepKernels<Tableau>;
+    using Heat = HeatOf<ViscousDamping>;
     return {&Steps::template lane_block<
                 PointReplicas<DrivingSpring, ViscousDamping, SinusoidalSubstrate>>,
             &Steps::template lane_block<
-                PointReplicas<ViscousDamping, DrivingSpring, SinusoidalSubstrate>>};
+                PointReplicas<ViscousDamping, DrivingSpring, SinusoidalSubstrate>>,
+            &Steps::template lane_block<
+                PointReplicas<DrivingSpring, ViscousDamping, SinusoidalSubstrate, Heat>>,
+            &Steps::template lane_block<
+                PointReplicas<ViscousDamping, DrivingSpring, SinusoidalSubstrate, Heat>>};
   }
 };
 

@@ -41,6 +41,7 @@ class Assembly {
   const PrescribedBodies<Real>& prescribed() const { return prescribed_; }
   /// See Evaluation::lane_calls().
   const std::vector<LaneCall>& lane_calls() const { return evaluation_->lane_calls(); }
+  std::vector<LaneCall>& lane_calls() { return evaluation_->lane_calls(); }
   /// Where the numbers of bodies stand in arrays with padding; see LaneSystem.
   std::size_t mapped_size() const { return bodies_.mapped_size; }
   System<Real>& system() { return system_; }

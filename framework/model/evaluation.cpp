@@ -178,7 +178,7 @@ void Evaluation<Real>::add_heats(const AssemblyPlan& plan, const AssembledBodies
     Operation<Real> heat;
     if (force.driver) heat = force.driver->power();
     if (force.driver || (force.heat_rate != kNoRate && force.bound->heat(force.heat_rate, heat))) {
-      (plan.inertial ? operations_ : drifted_.heats).push_back(heat);
+      plan.inertial ? add_call(heat, lane_call_of(heat)) : drifted_.heats.push_back(heat);
     }
   }
   if (plan.inertial) return;
@@ -199,17 +199,19 @@ template <class Real>
 void Evaluation<Real>::add_point_forces(const std::vector<Pass<Real>>& passes,
                                         const std::vector<AssembledForce<Real>>& forces,
                                         SystemView<Real>& view) {
+  std::vector<std::pair<const void*, const AssembledForce<Real>*>> owners;  // of arguments
+  for (const AssembledForce<Real>& force : forces) {
+    for (const Pass<Real>& own : force.passes()) owners.emplace_back(own.arguments, &force);
+  }
   for (const Pass<Real>& pass : passes) {
-    for (const AssembledForce<Real>& force : forces) {
-      for (const Pass<Real>& own : force.passes()) {
-        if (own.arguments != pass.arguments) continue;
-        PointForce<Real> point;
-        if (force.driver || !force.bound->point(point)) {
-          point_forces_.clear();
-          return;
-        }
-        point_forces_.push_back(point);
+    for (const auto& [arguments, force] : owners) {
+      if (arguments != pass.arguments) continue;
+      PointForce<Real> point;
+      if (force->driver || !force->bound->point(point)) {
+        point_forces_.clear();
+        return;
       }
+      point_forces_.push_back(point);
     }
   }
   view.point_forces = point_forces_.data();

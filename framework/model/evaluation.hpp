@@ -21,6 +21,12 @@ struct LaneCall {
   std::ptrdiff_t arms = -1;  ///< of calls with the same scratch: those of this rigid body
 };
 
+/// How a heat is computed over replicas, see BoundForce::heat().
+template <class Real>
+LaneCall lane_call_of(const Operation<Real>& heat) {
+  return {heat.lanes != nullptr ? *heat.lanes : LaneForm(), heat.arguments};
+}
+
 /// The kernel calls of one evaluation of all forces, in order: bodies that move as one place their
 /// particles; forces on rigid centres; forces on particles, cheap ones first; rigid bodies gather;
 /// the ledger. The first force on each region sets, the rest add.
@@ -40,6 +46,7 @@ class Evaluation {
 
   /// The calls that make one evaluation over replicas; of double. None where one is missing.
   const std::vector<LaneCall>& lane_calls() const { return lane_calls_; }
+  std::vector<LaneCall>& lane_calls() { return lane_calls_; }
 
  private:
   /// Numbers in one of the arrays of forces.

@@ -88,7 +88,10 @@ std::string LaneSystem::why_not(const Model& model) {
         return "the force \"" + force.name + "\" has no kernel over lanes";
     }
   }
-  if (model.scene().run.ledger) return "the ledger integrates heats";
+  const bool none_prescribed =
+      std::none_of(model.bodies().begin(), model.bodies().end(),
+                   [](const Model::Body& body) { return body.prescribed(); });
+  if (none_prescribed && view.inertial) return "heats of a force have no kernel over lanes";
   return "bodies are prescribed, or rigid ones move without inertia";
 }
 

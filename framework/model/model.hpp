@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -66,6 +67,7 @@ class Model {
   /// Where friction's heat stands among the rates when it is an operator, with the ledger.
   std::ptrdiff_t friction_rate() const { return assembly_.friction_rate(); }
   const Assembly<double>& assembly() const { return assembly_; }
+  Assembly<double>& assembly() { return assembly_; }
   System<double>& system() { return assembly_.system(); }
   const System<double>& system() const { return assembly_.system(); }
   const Origin& origin() const { return origin_; }
@@ -159,8 +161,10 @@ class Model {
 
   /// Of rigid bodies in space, about a principal axis; an angular velocity.
   double fastest_spin() const;
-  /// The largest fixed step that this scheme is stable with; infinite when nothing limits it.
-  double stable_step(const IntegratorRecord& scheme);
+  /// The largest fixed step that this scheme is stable with; infinite when nothing limits it. May
+  /// return a lower bound that is easier to find if the bound is beyond `enough`.
+  double stable_step(const IntegratorRecord& scheme,
+                     double enough = std::numeric_limits<double>::infinity());
   /// What steps of an adaptive scheme cannot exceed for long, since friction and springs would make
   /// them grow; infinite when nothing limits them. Generous: a lower bound of the cost.
   double longest_lasting_step(const IntegratorRecord& scheme);

@@ -56,6 +56,9 @@ std::shared_ptr<const Scene> with_forces(const Scene& scene, std::vector<SceneFo
   with->run.integrator.record = &scheme;
   with->run.number_type = NumberType::double_precision;
   with->run.ledger = false;
+  // Both need noise, which may be another force's.
+  with->run.repeats = 1;
+  with->run.until.reset();
   return with;
 }
 

@@ -348,17 +348,29 @@ constexpr double kForever = std::numeric_limits<double>::infinity();
 /// A distance from zero, in units of a mode's own time, within which no mode without growth of its
 /// own grows: 0 where the scheme is not known to have one. The growth of an analytic function is
 /// largest on the edge of the half disc, and changes smoothly along it.
-double damped_within(const IntegratorRecord& scheme) {
+double damped_within(double (*growth)(std::complex<double> z)) {
   constexpr double kReach = 2.4;  // of the classical scheme of order four it is 2.6
   constexpr int kOnEdge = 32;
   constexpr double kRoundings = 1.0 + 1e-12;
   for (int k = 1; k <= kOnEdge; ++k) {
     const double part = static_cast<double>(k) / kOnEdge;
     const double angle = 0.5 * std::numbers::pi * (1.0 + part);
-    if (!(scheme.growth({0.0, kReach * part}) <= kRoundings)) return 0.0;
-    if (!(scheme.growth(std::polar(kReach, angle)) <= kRoundings)) return 0.0;
+    if (!(growth({0.0, kReach * part}) <= kRoundings)) return 0.0;
+    if (!(growth(std::polar(kReach, angle)) <= kRoundings)) return 0.0;
   }
   return kReach;
+}
+
+/// The points of a sweep ask the same scheme again and again.
+double damped_within(const IntegratorRecord& scheme) {
+  if (scheme.growth == nullptr) return 0.0;
+  thread_local decltype(scheme.growth) last = nullptr;
+  thread_local double reach = 0.0;
+  if (last != scheme.growth) {
+    last = scheme.growth;
+    reach = damped_within(scheme.growth);
+  }
+  return reach;
 }
 
 /// Largest h up to `most` with which y' = mode y does not grow. It is known not to within `damped`
@@ -714,17 +726,23 @@ double Model::fastest_spin() const {
   return fastest;
 }
 
-double Model::stable_step(const IntegratorRecord& scheme) {
+double Model::stable_step(const IntegratorRecord& scheme, double enough) {
   if (scheme.adaptive) return kForever;
   Stiffness fastest = stiffness(scheme.splits_bonds);
-  if (!system().view.inertial) return stable_step_of(scheme, -fastest.relaxation_rate);
+  const double damped = scheme.stable_step == nullptr ? damped_within(scheme) : 0.0;
+  if (!system().view.inertial) {
+    const double known = damped / fastest.relaxation_rate;
+    return known > enough ? known : stable_step_of(scheme, -fastest.relaxation_rate);
+  }
   const OwnModes own = own_modes(*this);
   fastest.frequency = std::sqrt(fastest.frequency * fastest.frequency + own.square);
   fastest.damping_rate = std::max(largest_damping_rate(*this), own.rate);
   // Slower modes meet the same damping: the worst of a range of frequencies counts.
   const double spin = fastest_spin();
   double largest = spin > 0.0 ? kLargestRotation / spin : kForever;
-  const double damped = scheme.growth != nullptr ? damped_within(scheme) : 0.0;
+  // No root of y'' = -omega^2 y - gamma y' is larger than both omega and gamma.
+  const double known = damped / std::max(fastest.frequency, fastest.damping_rate);
+  if (std::min(known, largest) > enough) return std::min(known, largest);
   constexpr int kModes = 16;
   for (int k = kModes; k >= 0; --k) {
     const double omega = fastest.frequency * k / kModes;

@@ -33,6 +33,7 @@ BriefLedger::BriefLedger(const RunContext& run) {
     points_.assign(view.point_forces, view.point_forces + view.point_force_count);
     dampers_.reserve(points_.size());
   }
+  lane_calls_ = run.model.assembly().lane_calls();
   const std::size_t before = points_.empty() ? 0 : 1;  // a point's force stands before its power
   std::size_t rate = view.used_rates + before;
   for (const Model::Force& force : run.model.forces()) {
@@ -42,9 +43,10 @@ BriefLedger::BriefLedger(const RunContext& run) {
     if (!has_velocities(run.model, force)) return;
     // A kick's forces are the rates, at a velocity of half a step before.
     if (splits_friction_ && !force.traits.conservative) return;
-    if (!points_.empty() && !add_point(force, rate)) points_.clear();
+    if (before > 0 && !add_point(force, rate)) points_.clear();
     heats_.push_back({rate, force.traits.conservative});
     operations_.push_back(heat);
+    lane_calls_.push_back(lane_call_of(heat));
     rate += 1 + before;
   }
   if (view.flow_count > 0) {
@@ -53,6 +55,14 @@ BriefLedger::BriefLedger(const RunContext& run) {
     rate += 1 + before;
   }
   used_rates_ = rate - before;
+  const auto is_absent = [](const LaneCall& call) { return call.form.kernel == nullptr; };
+  const auto first_heat = run.model.assembly().lane_calls().size();
+  const bool is_alone = first_heat == 0 || splits_friction_ ||
+                        std::any_of(lane_calls_.begin(), lane_calls_.end(), is_absent);
+  if (is_alone) lane_calls_.clear();
+  for (std::size_t k = first_heat; k < lane_calls_.size(); ++k) {
+    lane_calls_[k].set = !points_.empty();  // the force stands before its power
+  }
   can_be_kept_ = used_rates_ <= view.rates;
 }
 
@@ -85,6 +95,7 @@ bool BriefLedger::lacks_first_step(const RunContext& run) const {
 void BriefLedger::keep(RunContext& run, bool on) {
   if (on == kept_) return;
   kept_ = on;
+  lane_calls_.swap(run.model.assembly().lane_calls());
   System<double>& system = run.model.system();
   SystemView<double>& view = system.view;
   if (on) {

@@ -27,6 +27,8 @@ class BriefLedger {
   /// From this step on, or no more.
   void keep(RunContext& run, bool on);
   bool is_kept() const { return kept_; }
+  /// The scheme splits friction off: a run that keeps the ledger takes its steps alone.
+  bool splits_friction() const { return splits_friction_; }
   /// Returns work and heat of the steps since `from`, from running integrals then and now; the
   /// stored energy is left out.
   EnergyTerms terms(const RunContext& run, const double* from_integrals, double from) const;
@@ -52,6 +54,7 @@ class BriefLedger {
   bool kept_ = false;
   std::vector<Heat> heats_;
   std::vector<Operation<double>> operations_;  ///< of an evaluation with heats
+  std::vector<LaneCall> lane_calls_;           ///< likewise, while it is not kept
   std::vector<PointForce<double>> points_;     ///< likewise; none: operations are called
   std::vector<Damper> dampers_;                ///< among them
   std::size_t used_rates_ = 0;

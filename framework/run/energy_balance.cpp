@@ -34,8 +34,10 @@ constexpr double kEvaluationsOfStep = 4.0 + kGaussNodes;
 constexpr double kStepsInStratum = 1024.0;
 constexpr std::int64_t kFewestStrata = 16;
 /// Runs of so many steps are looked at as a whole, with a ledger of their own, which costs a few
-/// per cent of each step.
+/// per cent of each step. Schemes that split friction off have no ledger in lanes of a sweep, so
+/// that a run would take all these steps alone.
 constexpr double kShort = 16384.0;
+constexpr double kShortWithSplitFriction = 1024.0;
 /// Numerical work beside the larger one of work and heat, or beside the energy where there is no
 /// heat: a few per cent are what a coarse but sensible step costs.
 constexpr double kNotSmall = 0.05;
@@ -113,11 +115,13 @@ void EnergyBalance::prepare(RunContext& run) {
   const double steps = fixed ? (to_ - from_) / run.plan.dt : 0.0;
   ledger_ = std::make_unique<BriefLedger>(run);
   if (ledger_->can_be_kept()) {
-    const bool whole = steps < kShort;
+    whole_ = steps < (ledger_->splits_friction() ? kShortWithSplitFriction : kShort);
     const double strata = std::clamp(steps / kStepsInStratum, static_cast<double>(kFewestStrata),
                                      static_cast<double>(kMostSamples));
-    stratum_ = std::max<std::int64_t>(std::llround(whole ? steps : steps / strata), 1);
-    steps_ = whole ? stratum_ : kBlock;
+    stratum_ = std::max<std::int64_t>(std::llround(whole_ ? steps : steps / strata), 1);
+    steps_ = whole_ ? stratum_ : kBlock;
+    // Runs of a batch in lanes have the same rates from their start to their end.
+    if (whole_) ledger_->keep(run, true);
     return;
   }
   ledger_ = nullptr;
@@ -164,6 +168,11 @@ std::int64_t EnergyBalance::length_of_stratum() const {
 std::int64_t EnergyBalance::idle_steps(const RunContext& run) {
   const double now = run.clock.time();
   if (!looks() || now < from_) return kNever;
+  if (place_[kOpen] == kYes && whole_) {
+    const std::int64_t left = steps_ - (run.clock.steps() - place_[kBlockFirst]);
+    const auto in_window = static_cast<std::int64_t>((to_ - now) / run.plan.dt);
+    return std::max<std::int64_t>(std::min(left, in_window), 0);
+  }
   if (place_[kOpen] != kNo) return 0;
   if (place_[kStarted] == 0) {
     place_[kStarted] = 1;
@@ -196,7 +205,7 @@ std::int64_t EnergyBalance::look(RunContext& run) {
     looks_into_step_ = true;
     return 1;
   }
-  const bool lacks_first = ledger_->lacks_first_step(run);
+  const bool lacks_first = !ledger_->is_kept() && ledger_->lacks_first_step(run);
   ledger_->keep(run, true);
   place_[kOpen] = kFromNextStep;
   place_[kBlockFirst] = run.clock.steps();
@@ -233,7 +242,7 @@ void EnergyBalance::open_block(RunContext& run) {
 /// A block in which the run has failed counts for nothing.
 void EnergyBalance::close_block(RunContext& run, std::int64_t steps) {
   const EnergyTerms terms = ledger_->terms(run, sums_ + kReals, sums_[kBlockBegin]);
-  ledger_->keep(run, false);
+  if (!whole_) ledger_->keep(run, false);
   place_[kOpen] = kNo;
   if (steps > 0 && !run.outcome.failure) count(run, terms, stored_energy(run), steps);
 }

@@ -122,6 +122,7 @@ class EnergyBalance {
   double to_ = 0.0;
   std::int64_t stratum_ = 0;  ///< steps, at least; 0: nothing is looked at
   std::int64_t steps_ = 1;    ///< that a sample has
+  bool whole_ = false;        ///< the run keeps a ledger of all its steps
   bool grows_ = false;        ///< later strata are longer
   bool looks_into_step_ = false;
   std::int64_t known_ = -1;  ///< the stratum whose sample begins

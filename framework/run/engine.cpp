@@ -355,7 +355,7 @@ RunContext& Engine::context() { return parts_->run; }
 Model& Engine::model() { return parts_->run.model; }
 RunState& Engine::state() { return parts_->run.state; }
 Integrator<double>& Engine::integrator() { return *parts_->run.integrator; }
-double Engine::stable_step() const { return parts_->run.stable_step; }
+double Engine::stable_step() const { return parts_->run.model.stable_step(parts_->run.scheme); }
 std::optional<SampledWork> Engine::sampled_work() const {
   return parts_->balance ? parts_->balance->found() : std::nullopt;
 }

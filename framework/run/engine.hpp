@@ -34,6 +34,7 @@ class Engine {
   Model& model();
   RunState& state();
   Integrator<double>& integrator();
+  /// The stability limit of the scheme's step, at the current state.
   double stable_step() const;
   /// What is known of the energy balance without a ledger, after run(); see energy_balance.hpp.
   std::optional<SampledWork> sampled_work() const;

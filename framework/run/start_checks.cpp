@@ -206,7 +206,8 @@ void bound_unwatched_steps(Check& check) {
 /// A step beyond the stability limit is refused before it is taken.
 void check_step(Check& check) {
   if (check.plan.dt == 0.0) return;
-  check.found.stable_step = check.model.stable_step(check.scheme);
+  check.found.stable_step =
+      check.model.stable_step(check.scheme, check.plan.dt / (1.0 - 2.0 * kNoStep));
   const double longest = std::min(check.plan.dt, check.plan.duration);
   if (is_stable(longest, check.found.stable_step)) return;
   const bool beyond = longest > check.found.stable_step * (1.0 + kNoStep);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <charconv>
+#include <optional>
 #include <utility>
 
 // In toml++ 3.3 an assertion fails for "[=" before the error that the parser has for it; without
@@ -297,10 +299,33 @@ Table parse_document(std::string_view text, const std::string& file) {
 
 std::size_t parsed_documents() { return parsed; }
 
+namespace {
+
+/// The value of a text that is a decimal number with a fraction or an exponent, as most values of
+/// axes are. The library needs some microseconds for it.
+std::optional<double> plain_number(std::string_view text) {
+  const std::size_t sign = text.starts_with('-') ? 1 : 0;
+  const std::size_t point = text.find_first_not_of("0123456789", sign);
+  const bool leading_zero = text.size() > sign + 1 && text[sign] == '0' && is_digit(text[sign + 1]);
+  if (point == sign || point == std::string_view::npos || leading_zero) return {};
+  if (text[point] != 'e' && (text[point] != '.' || point + 1 == text.size())) return {};
+  if (text[point] == '.' && !is_digit(text[point + 1])) return {};
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return {};
+  return value;
+}
+
+}  // namespace
+
 Node parse_setting(std::string_view text, std::uint32_t setting) {
   Node plain_text;
   plain_text.value = std::string(text);
   plain_text.where.setting = setting;
+  if (const auto number = plain_number(text)) {
+    plain_text.value = *number;
+    return plain_text;
+  }
   const std::string document = "value = " + std::string(text);
   try {
     if (document.size() > kLargestSceneFile) return plain_text;

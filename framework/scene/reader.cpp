@@ -43,7 +43,7 @@ void check_components(SceneDraft& draft) {
 /// out when there were none.
 std::shared_ptr<const Scene> read_document(const Table& document, const std::string& file,
                                            const Source& source, const Registry& registry,
-                                           FaultList& faults) {
+                                           FaultList& faults, EffectiveText text) {
   SceneDraft draft(document, source, registry, faults);
   draft.scene->file = file;
   draft.scene->registry = &registry;
@@ -60,7 +60,9 @@ std::shared_ptr<const Scene> read_document(const Table& document, const std::str
   read_output(draft);
   check_sweep(document, source, faults);
   faults.throw_if_any();
-  write_effective_scene(draft);
+  // The pilots of a run that is asked for an accuracy are scenes made from the text.
+  const bool has_pilots = draft.scene->run.accuracy.has_value();
+  if (text == EffectiveText::written || has_pilots) write_effective_scene(draft);
   return draft.scene;
 }
 

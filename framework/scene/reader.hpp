@@ -14,6 +14,6 @@ namespace tomlin {
 /// every fault found.
 std::shared_ptr<const Scene> read_document(const Table& document, const std::string& file,
                                            const Source& source, const Registry& registry,
-                                           FaultList& faults);
+                                           FaultList& faults, EffectiveText text);
 
 }  // namespace tomlin

@@ -57,19 +57,25 @@ std::optional<Node> read_until(SceneDraft& draft, const SceneSection& run) {
 }
 
 /// An integrator's keys beside it, instead of in its table, are looked for where one is unknown.
-TableLayout layout_with_integrators(const SceneSection& run, bool until, const Registry& registry) {
-  static const TableLayout layouts[] = {run_layout(false), run_layout(true)};
-  TableLayout layout = layouts[until ? 1 : 0];
-  for (const Entry& entry : run.table->entries) {
-    if (layout.row(entry.key) != nullptr || layout.is_own_key(entry.key)) continue;
-    for (const auto& record : registry.integrators()) {
-      for (const Parameter& row : record->parameters) {
-        layout.elsewhere.push_back({row.key, "integrator = { type = ..., ... }"});
-      }
+TableLayout with_integrators(TableLayout layout, const Registry& registry) {
+  for (const auto& record : registry.integrators()) {
+    for (const Parameter& row : record->parameters) {
+      layout.elsewhere.push_back({row.key, "integrator = { type = ..., ... }"});
     }
-    break;
   }
   return layout;
+}
+
+TableReading read_run_table(SceneDraft& draft, const SceneSection& given, bool until) {
+  static const TableLayout layouts[] = {run_layout(false), run_layout(true)};
+  const TableLayout& layout = layouts[until ? 1 : 0];
+  const bool is_known = std::all_of(
+      given.table->entries.begin(), given.table->entries.end(), [&](const Entry& entry) {
+        return layout.row(entry.key) != nullptr || layout.is_own_key(entry.key);
+      });
+  RunSettings* run = &draft.scene->run;
+  if (is_known) return draft.read(given, layout, "run", run);
+  return draft.read(given, with_integrators(layout, draft.registry), "run", run);
 }
 
 }  // namespace
@@ -86,8 +92,7 @@ void read_run(SceneDraft& draft) {
   }
   RunSettings& run = draft.scene->run;
   const bool until = given->table->find("until") != nullptr;
-  const TableLayout layout = layout_with_integrators(*given, until, draft.registry);
-  const TableReading reading = draft.read(*given, layout, "run", &run);
+  const TableReading reading = read_run_table(draft, *given, until);
   run.place = draft.source.place(given->where);
   run.places = reading.places;
   draft.duration_is_known = reading.has("duration");

@@ -203,7 +203,8 @@ struct Scene {
   MeasureSettings measure;
   OutputSettings output;
   bool draws_random = false;  ///< an expression of it calls random or normal
-  /// The scene with every default filled in; reading it again gives the same scene.
+  /// The scene with every default filled in; reading it again gives the same scene. Empty where it
+  /// was left out.
   std::string effective_toml;
   const Registry* registry = nullptr;  ///< that it was read with: outlives it, and stays in place
 };

@@ -82,7 +82,8 @@ void SceneDocument::drop_sweep() {
 }
 
 std::shared_ptr<const Scene> SceneDocument::read(const Registry& registry,
-                                                 const std::vector<Setting>& settings) const {
+                                                 const std::vector<Setting>& settings,
+                                                 EffectiveText text) const {
   if (fault_) throw InputError(*fault_);
   FileTextsInUse texts(texts_.get());
   const Source source(file_, text_, settings);
@@ -95,7 +96,7 @@ std::shared_ptr<const Scene> SceneDocument::read(const Registry& registry,
   const Table& document = settings.empty() ? *contents_ : changed;
   // What comes next evaluates them.
   if (!check_expressions(document, faults)) faults.throw_if_any();
-  auto scene = read_document(document, file_, source, registry, faults);
+  auto scene = read_document(document, file_, source, registry, faults, text);
   texts.accept();
   return scene;
 }

@@ -42,7 +42,8 @@ class SceneDocument {
   Table with(const std::vector<Setting>& settings) const;
   /// The checked scene with these settings. Throws InputError with every fault found.
   std::shared_ptr<const Scene> read(const Registry& registry,
-                                    const std::vector<Setting>& settings = {}) const;
+                                    const std::vector<Setting>& settings = {},
+                                    EffectiveText text = EffectiveText::written) const;
 
  private:
   void parse();

@@ -575,6 +575,10 @@ constexpr void fill_table(ElementTable<Real>& table) {
     if constexpr (std::is_same_v<Real, double> && !E::reads.table) {
       table.lanes.site[D - 1] = &site_over_lanes<E, D, false>;
       if (table.varied_site[D - 1]) table.lanes.varied_site[D - 1] = &site_over_lanes<E, D, true>;
+      if constexpr (E::reads.velocity) {
+        table.lanes.heat[D - 1] = &heat_over_lanes<E, D, false>;
+        if (table.varied_heat[D - 1]) table.lanes.varied_heat[D - 1] = &heat_over_lanes<E, D, true>;
+      }
       if constexpr (E::reads.start) table.lanes.centre[D - 1] = &centre_over_lanes<E, D>;
     }
   }

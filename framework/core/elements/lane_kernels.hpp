@@ -150,6 +150,39 @@ TOMLIN_FLATTEN void site_over_lanes(const void* arguments, const Stage<double>& 
   }
 }
 
+/// The power that a damper takes out of the particles, -F.v; where `set` is true its force along x,
+/// too, as the rate before. Numbers: as for site_over_lanes.
+template <class E, int D, bool varied>
+TOMLIN_FLATTEN void heat_over_lanes(const void* arguments, const Stage<double>& stage) {
+  const LaneArguments l = *static_cast<const LaneArguments*>(arguments);
+  const auto& a = *static_cast<const HeatArguments<double>*>(l.single);
+  const std::size_t count = a.body.count;
+  const std::size_t w = l.width;
+  double* const rate = stage.rates + l.rate[a.rate] * w;
+  for (std::size_t lane = 0; lane < w; lane += kGroup) {
+    const LaneParticles body(l, a.body, stage, lane);
+    const double* numbers = l.numbers + lane;
+    std::size_t apart = w;  // from one parameter to the next
+    if constexpr (varied) apart = a.body.stride * w;
+    auto p = in_lanes<SiteParameters<E, Pack, D>>(numbers, apart);
+    LaneSum heat;
+    LaneSum total;
+    for (std::size_t i = 0; i < count; ++i) {
+      if constexpr (varied) p = in_lanes<SiteParameters<E, Pack, D>>(numbers + i * w, apart);
+      Site<Pack, D> site;
+      site.position = body.place<D>(i);
+      for (int d = 0; d < D; ++d) site.velocity[d] = Pack::load(body.velocity + body.at(d, i));
+      site.elapsed = elapsed_in(stage, lane);
+      site.frame = p.frame;
+      const Vec<Pack, D> force = force_on<E, Pack, D>(p.own, site);
+      heat.add(i, -dot(force, site.velocity));
+      total.add(i, force[0]);
+    }
+    heat.total(count).store(rate + lane);
+    if (l.set) total.total(count).store(rate - w + lane);
+  }
+}
+
 // ---- the centre of mass of a body, or one particle of it
 
 template <int D>

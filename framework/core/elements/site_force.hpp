@@ -244,7 +244,10 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
   bool heat(std::ptrdiff_t rate, Operation<Real>& operation) override {
     if (!heat_kernel_) return false;
     heat_ = {this->body_.slot, &this->with_frame_, arguments_.each, rate};
-    operation = {heat_kernel_, &heat_};
+    heat_lanes_ = lane_form();
+    heat_lanes_.kernel = (varies() ? lanes_.varied_heat : lanes_.heat)[D - 1];
+    heat_lanes_.structure = structure_of(this->body_.slot, rate);
+    operation = {heat_kernel_, &heat_, &heat_lanes_};
     return true;
   }
 
@@ -350,6 +353,7 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
   int rank_;
   SiteArguments<Real> arguments_;
   HeatArguments<Real> heat_;
+  LaneForm heat_lanes_;
   AlignedVector<Real> start_;
   // Where parameters differ between particles.
   std::vector<Variation> variations_;

@@ -158,6 +158,8 @@ struct LaneArguments {
 struct LaneKernels {
   Kernel<double> site[3] = {};
   Kernel<double> varied_site[3] = {};
+  Kernel<double> heat[3] = {};
+  Kernel<double> varied_heat[3] = {};
   Kernel<double> centre[3] = {};
   Kernel<double> cyclic[3] = {};
   Kernel<double> chain[3] = {};

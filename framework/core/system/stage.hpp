@@ -29,10 +29,13 @@ struct Stage {
 template <class Real>
 using Kernel = void (*)(const void* arguments, const Stage<Real>& stage);
 
+struct LaneForm;  // lanes.hpp
+
 template <class Real>
 struct Operation {
   Kernel<Real> run = nullptr;
   const void* arguments = nullptr;
+  const LaneForm* lanes = nullptr;  ///< of a heat: how the call is made over replicas, if it can be
 };
 
 /// Where the numbers of a body stand.

@@ -168,8 +168,8 @@ std::vector<Setting> SweepPlan::all_settings_at(std::size_t point) const {
   return settings;
 }
 
-std::shared_ptr<const Scene> SweepPlan::scene_at(std::size_t point) const {
-  return document_.read(registry_, all_settings_at(point));
+std::shared_ptr<const Scene> SweepPlan::scene_at(std::size_t point, EffectiveText text) const {
+  return document_.read(registry_, all_settings_at(point), text);
 }
 
 /// What is wrong with setting n of these, whatever else the scene says.

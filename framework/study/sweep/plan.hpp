@@ -115,7 +115,8 @@ class SweepPlan {
   /// What differs from the scene at a point.
   std::vector<Setting> settings_at(std::size_t point) const;
   /// Throws InputError where the point is refused.
-  std::shared_ptr<const Scene> scene_at(std::size_t point) const;
+  std::shared_ptr<const Scene> scene_at(std::size_t point,
+                                        EffectiveText text = EffectiveText::written) const;
 
   /// Of the scene, or at the last point.
   bool has_noise_somewhere() const;

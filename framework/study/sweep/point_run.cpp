@@ -53,7 +53,7 @@ SweepRow row_of_refused(const SweepPlan& plan, const InputError& error) {
 
 PointRun::PointRun(const SweepPlan& plan, std::size_t point, const std::atomic<bool>* stop,
                    const std::filesystem::path& checkpoints)
-    : plan_(plan), point_(point), scene_(plan.scene_at(point)) {
+    : plan_(plan), point_(point), scene_(plan.scene_at(point, EffectiveText::left_out)) {
   options_.stop = stop;
   options_.observables = plan.paths();
   if (checkpoints.empty()) return;

@@ -34,6 +34,40 @@ TEST_F(Check, ASoundSceneIsOneLine) {
   EXPECT_EQ(tomlin({"check", "tip.toml", "--verbose", "--json"}).status, 2);
 }
 
+/// Forces are checked one by one, also where a run that needs noise needs it of another force.
+TEST_F(Check, AThermalSceneMayAskForRepeatsOrAnError) {
+  write(folder_ / "warm.toml", R"(
+[[body]]
+name = "tip"
+type = "point"
+position = [0.0]
+particle_mass = 1.0
+[[force]]
+name = "driver"
+type = "driving_spring"
+stiffness = 1.0
+velocity = [0.1]
+[[force]]
+type = "langevin"
+coefficient = 0.5
+temperature = 0.01
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = 0.1
+period = 1.0
+[run]
+duration = 50.0
+integrator = { type = "baoab", dt = 0.05 }
+)");
+  for (const char* asked :
+       {"run.repeats=4", "run.until={ error = 0.1, of = \"driver.mean_force.x\" }"}) {
+    for (const char* command : {"check", "explain"}) {
+      const Ended ended = tomlin({command, "warm.toml", "--set", asked});
+      EXPECT_EQ(ended.status, 0) << command << ", " << asked << ": " << ended.out << ended.err;
+    }
+  }
+}
+
 /// What holds is not shown beside what does not, unless asked for; what is insisted on is said.
 TEST_F(Check, OnlyWhatDoesNotHoldIsShown) {
   const Ended failed = tomlin({"check", "tip.toml", "--set", "run.integrator.dt=5"});

@@ -280,7 +280,6 @@ const LaneCase& lane_case(const std::string& name) {
 RunOptions asked_for(const LaneCase& one) {
   RunOptions options;
   options.observables = one.observables;
-  // Runs as short as these would be watched block by block, by themselves.
   options.watches_energy = false;
   return options;
 }
@@ -349,6 +348,43 @@ TEST(LaneBatch, RunsHaveTheBitsOfSingleRuns) {
       const Ended due = alone(one, k, options);
       ASSERT_EQ(due.result.status, RunStatus::finished) << one.name;
       expect_same(one, due, ended[static_cast<std::size_t>(k)], "replica " + std::to_string(k));
+    }
+  }
+}
+
+const std::vector<std::string> kWithHeat = {
+    "tip",           "tip_damped_first", "midpoint_tip", "loaded_tip", "watched_tip",
+    "flexible_ring", "rigid_ring",       "chain",        "dumbbells"};
+
+/// The energy balance of a short run is that of all its steps: heats are integrated in lanes, too.
+TEST(LaneBatch, ShortRunsKeepALedgerInLanes) {
+  for (const std::string& name : kWithHeat) {
+    const LaneCase& one = lane_case(name);
+    RunOptions options = asked_for(one);
+    options.watches_energy = true;
+    constexpr int kReplicas = 9;
+    const std::vector<Ended> ended = in_lanes(one, kReplicas, kReplicas, options);
+    for (int k = 0; k < kReplicas; ++k) {
+      expect_same(one, alone(one, k, options), ended[static_cast<std::size_t>(k)],
+                  "watched replica " + std::to_string(k));
+    }
+  }
+}
+
+TEST(LaneBatch, TheLedgerOfASceneIsKeptInLanes) {
+  for (const std::string& name : kWithHeat) {
+    LaneCase one = lane_case(name);
+    one.text = [text = one.text](int k) {
+      std::string with_ledger = text(k);
+      return with_ledger.insert(with_ledger.find("[run]\n") + 6, "ledger = true\n");
+    };
+    one.observables.insert(one.observables.end(), {"energy.heat_out", "energy.numerical_work"});
+    const RunOptions options = asked_for(one);
+    constexpr int kReplicas = 5;
+    const std::vector<Ended> ended = in_lanes(one, kReplicas, kReplicas, options);
+    for (int k = 0; k < kReplicas; ++k) {
+      expect_same(one, alone(one, k, options), ended[static_cast<std::size_t>(k)],
+                  "replica " + std::to_string(k));
     }
   }
 }
@@ -732,7 +768,13 @@ TEST(LaneBatch, WhatARunTakesByItselfHasAReason) {
       reason(thermal(ring_of(0, "rigid"), 0, "leimkuhler_matthews", 0.002, kOverdamped), mean),
       "bodies are prescribed, or rigid ones move without inertia");
   EXPECT_NE(reason(TipScene{.more = "number_type = \"float\"\n"}.text(), mean), "");
-  EXPECT_NE(reason(TipScene{.more = "ledger = true\n"}.text(), mean), "");
+  EXPECT_EQ(reason(TipScene{.more = "ledger = true\n"}.text(), mean), "");
+  // A run that is short keeps a ledger of its own, and the drag of a formula has no kernel.
+  std::string by_formula = tip_of(0);
+  const std::string drag = "type = \"viscous_damping\"";
+  by_formula.replace(by_formula.find(drag), drag.size(),
+                     "type = \"formula\"\nforce = \"-0.5*vx\"\n#");
+  EXPECT_NE(reason(by_formula, mean), "");
 }
 
 }  // namespace
