@@ -3,10 +3,14 @@
 chooses, wherever its memory lies, and whatever the user's language is.
 
 Runs the scenes of scenes.py by each PROGRAM and under each condition and compares every file of the
-run's folder byte by byte; of summary.json all but `performance`.
+run's folder byte by byte; of summary.json all but `performance`. The table results.json, beside this
+file, holds hashes of what each scene gave when its row was written: numbers of a released version
+do not change without an entry in the changelog. A change of the code removes a row with its scene,
+writes it anew with --write and says in the changelog why and by how much, or leaves it.
 
-usage: determinism_test.py PROGRAM...
+usage: determinism_test.py [--write] PROGRAM...
 """
+import hashlib
 import json
 import os
 import pathlib
@@ -20,6 +24,9 @@ from scenes import SCENES
 SUMMARY = "summary.json"
 INSTRUCTION_SETS = ("baseline", "avx2", "avx512")
 LANGUAGE = "de_DE.UTF-8"  # where a decimal point is a comma
+TABLE = pathlib.Path(__file__).with_name("results.json")
+# Not a result: the version of the program, and sentences whose codes stand beside them.
+WITHOUT_HASH = ("program", "warnings")
 RUN_SECONDS = 120         # of the slowest scene, not optimised, on a busy machine: some 20
 
 
@@ -110,8 +117,19 @@ def differences(files, others):
     return found
 
 
-def compare(programs, folder):
-    """Number of runs compared, and of differences."""
+def row_of(files):
+    """The row of the table: hashes of summary, samples and events, and of all else that holds
+    results; the effective scene has its own hash in the summary."""
+    summary = json.loads(files[SUMMARY], parse_float=str, parse_int=str)
+    for key in WITHOUT_HASH:
+        summary.pop(key)
+    contents = {**files, SUMMARY: json.dumps(summary, sort_keys=True).encode()}
+    return {name: hashlib.sha256(text).hexdigest()[:16] for name, text in sorted(contents.items())
+            if name != "scene.toml"}
+
+
+def compare(programs, folder, table):
+    """Number of runs compared, and of differences. Rows that are found replace those of the table."""
     known = conditions(folder)
     compared, faults, absent = 0, 0, set()
     for name, text in SCENES.items():
@@ -129,6 +147,11 @@ def compare(programs, folder):
                     continue
                 if expected is None:
                     expected = files
+                    row = row_of(files)
+                    if table.get(name) != row:
+                        print(f"{name}: not the bits of {TABLE.name}, but {row}")
+                        faults += 1
+                    table[name] = row
                     continue
                 compared += 1
                 for difference in differences(expected, files):
@@ -151,6 +174,9 @@ def check_that_differences_are_seen(program, folder):
     for name in sorted(unseen):
         print(f"{name}: a changed last digit is not seen, so the comparison sees nothing")
     fewer = {name: text for name, text in files.items() if name != "observables.csv"}
+    if row_of(files) == row_of(others) or row_of(files) == row_of(fewer):
+        print("a changed last digit, or a missing file, does not change the row of the table")
+        unseen.add("row")
     if not differences(files, fewer) or differences(files, dict(files)):
         print("a missing file is not seen, or equal ones are")
         unseen.add("missing")
@@ -158,12 +184,21 @@ def check_that_differences_are_seen(program, folder):
 
 
 def main():
-    programs = [pathlib.Path(name).resolve() for name in sys.argv[1:]]
+    writes = sys.argv[1:2] == ["--write"]
+    programs = [pathlib.Path(name).resolve() for name in sys.argv[1 + writes:]]
     if not programs:
         sys.exit(__doc__)
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        compared, faults = compare(programs, folder)
+        table = json.loads(TABLE.read_text()) if TABLE.exists() else {}
+        stale = sorted(table.keys() - SCENES.keys())
+        for name in stale:
+            print(f"{name}: a row of {TABLE.name} without a scene")
+            del table[name]
+        compared, faults = compare(programs, folder, table)
+        faults += len(stale)
+        if writes:
+            TABLE.write_text(json.dumps(table, indent=1) + "\n")
         faults += check_that_differences_are_seen(programs[0], folder)
     print(f"{compared} runs of {len(SCENES)} scenes compared, {faults} differences")
     sys.exit(1 if faults or compared < len(SCENES) else 0)
