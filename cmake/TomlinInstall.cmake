@@ -55,7 +55,7 @@ endforeach()
 
 # The pages, laid out as they link to each other, with the scenes that they run.
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME program)
-install(FILES LICENSE README.md CHANGELOG.md CONTRIBUTING.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES LICENSE README.md CHANGELOG.md CITATION.cff CONTRIBUTING.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 foreach(folder framework framework/bodies framework/plugin framework/plugin/kim framework/run
                framework/scene forcefields integrators tests)
   file(GLOB pages CONFIGURE_DEPENDS ${folder}/*.md)
