@@ -5,6 +5,7 @@
 
 Every block fenced as ```sh is run by bash from a folder that looks like the project's after
 ./dev build; a block fenced as ```sh long is not run, and ```sh library is left to library_test.py.
+A block fenced as ```text printed must be part of what the commands before it have printed.
 A block fenced as ```toml is a whole scene, and is run by the program; one fenced as ```toml kim is,
 where the plugin with models of the KIM API was built and the scene's model is installed. Lines that
 start with ./dev are not run: their command must be one that `./dev help` names. The blocks of one
@@ -104,20 +105,28 @@ def commands_of(block, folder, commands):
 
 
 def run_block(block, folder, commands):
-    """Why the block fails, or None."""
+    """What the block prints, and why it fails, or None."""
     script, why = commands_of(block, folder, commands)
     if why:
-        return why
+        return "", why
     try:
         done = subprocess.run(["bash", "-euo", "pipefail", "-c", script], cwd=folder,
                               stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, text=True, check=False,
                               timeout=SECONDS_PER_BLOCK)
     except subprocess.TimeoutExpired:
-        return f"takes longer than {SECONDS_PER_BLOCK} s"
+        return "", f"takes longer than {SECONDS_PER_BLOCK} s"
     if done.returncode != 0:
-        return f"ends with status {done.returncode}:\n{done.stdout.rstrip()}"
-    return None
+        return "", f"ends with status {done.returncode}:\n{done.stdout.rstrip()}"
+    return done.stdout, None
+
+
+def why_not_printed(block, printed):
+    """Why the lines of a block are not what the commands before it have printed, or None."""
+    text = "\n".join(block.lines)
+    if text.strip() and f"\n{text}\n" in f"\n{printed}\n":
+        return None
+    return f"the commands before it print something else:\n{printed.rstrip()}"
 
 
 def check_page(page, source, program, commands):
@@ -131,14 +140,17 @@ def check_page(page, source, program, commands):
     with tempfile.TemporaryDirectory(prefix="tomlin-snippets-") as name:
         folder = pathlib.Path(name)
         lay_out(folder, source, program)
+        printed = ""
         for block in blocks:
+            if block.info == "text printed" and (why := why_not_printed(block, printed)):
+                complaints.append(f"{page}:{block.line}: {why}")
             if block.info not in ("sh", "toml", "toml kim"):
                 continue
             if block.info == "toml kim" and (why := why_no_kim(block, folder)):
                 print(f"{page}:{block.line}: skipped: {why}")
                 continue
             run += 1
-            why = run_block(block, folder, commands)
+            printed, why = run_block(block, folder, commands)
             if why:
                 complaints.append(f"{page}:{block.line}: {why}")
     return run, complaints
@@ -148,9 +160,12 @@ def sees_faults(source, program, commands):
     """Planted faults, which must all be noticed; and what must not be taken for one."""
     faulty = ["```sh\nfalse\n```\n", "```sh\n./dev nonsense\n```\n", "```sh\ntrue\n",
               "```sh\nbuild/bin/tomlin run no_such_scene.toml\n```\n", "```sh\nfalse | cat\n```\n",
-              "```toml\n[run]\n```\n"]
+              "```toml\n[run]\n```\n", "```text printed\n1\n```\n",
+              "```sh\necho 1.25\n```\n```text printed\n1.2\n```\n",
+              "```sh\necho 1\n```\n```sh\necho 2\n```\n```text printed\n1\n```\n"]
     sound = ["```sh\n./dev test\ntest -x build/bin/tomlin\n```\n", "```text\nfalse\n```\n",
-             "```sh long\nfalse\n```\n"]
+             "```sh long\nfalse\n```\n",
+             "```sh\nprintf '1\\n2\\n3\\n'\n```\n```text printed\n2\n3\n```\n"]
     with tempfile.TemporaryDirectory(prefix="tomlin-snippets-") as name:
         page = pathlib.Path(name) / "README.md"
         for text, is_faulty in [(t, True) for t in faulty] + [(t, False) for t in sound]:
