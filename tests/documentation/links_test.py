@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Relative links of all pages lead to files that exist, and to headings that exist; the README is short.
+"""Relative links of all pages lead to files that exist, and to headings that exist; README and guide are short.
 
     python3 tests/documentation/links_test.py SOURCE_DIR
 
-Exit status: 0 all is well, 1 a link is broken or the README too long, 2 bad arguments.
+Exit status: 0 all is well, 1 a link is broken or a page too long, 2 bad arguments.
 """
 
 import pathlib
@@ -13,7 +13,8 @@ import tempfile
 
 from pages import pages_of
 
-MOST_LINES_OF_README = 200
+# Pages that are read from the beginning to the end, and how many lines they may have.
+MOST_LINES = {"README.md": 200, "framework/USER_GUIDE.md": 100, "framework/guide/*.md": 350}
 
 LINK = re.compile(r"\]\(<?([^)\s>]+)>?(?: \"[^\"]*\")?\)")
 ELSEWHERE = re.compile(r"^[a-z]+:")
@@ -64,6 +65,34 @@ def broken(source):
     return count, complaints
 
 
+def too_long(source):
+    """Pages with more lines than they may have, and patterns that match no page."""
+    complaints = []
+    for pattern, most in MOST_LINES.items():
+        pages = sorted(source.glob(pattern))
+        if not pages:
+            complaints.append(f"there is no {pattern}")
+        for page in pages:
+            lines = len(page.read_text(encoding="utf-8").splitlines())
+            if lines > most:
+                complaints.append(f"{page.relative_to(source)} has {lines} lines, more than {most}")
+    return complaints
+
+
+def sees_long_pages():
+    """Planted pages, one of which has a line too many."""
+    with tempfile.TemporaryDirectory(prefix="tomlin-lines-") as name:
+        source = pathlib.Path(name)
+        (source / "framework/guide").mkdir(parents=True)
+        for pattern, most in MOST_LINES.items():
+            (source / pattern.replace("*", "longest")).write_text("x\n" * most, encoding="utf-8")
+        if too_long(source):
+            return False
+        most = MOST_LINES["framework/guide/*.md"]
+        (source / "framework/guide/longer.md").write_text("x\n" * (most + 1), encoding="utf-8")
+        return len(too_long(source)) == 1
+
+
 def sees_faults():
     """Planted links, broken and valid."""
     with tempfile.TemporaryDirectory(prefix="tomlin-links-") as name:
@@ -82,14 +111,12 @@ def main():
     if len(sys.argv) != 2:
         print(__doc__, file=sys.stderr)
         return 2
-    if not sees_faults():
-        print("the test itself is broken: planted links are not told apart")
+    if not sees_faults() or not sees_long_pages():
+        print("the test itself is broken: a planted fault was not noticed")
         return 1
     source = pathlib.Path(sys.argv[1]).resolve()
     count, complaints = broken(source)
-    lines = len((source / "README.md").read_text(encoding="utf-8").splitlines())
-    if lines > MOST_LINES_OF_README:
-        complaints.append(f"README.md has {lines} lines, more than {MOST_LINES_OF_README}")
+    complaints += too_long(source)
     print(f"{len(pages_of(source))} pages, {count} links, {len(complaints)} complaints")
     if complaints:
         print("\n".join(complaints))

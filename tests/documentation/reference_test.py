@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The pages of reference that are checked in are those that the program makes.
+"""The pages of reference that are checked in are those that the program makes; the guide names all types.
 
     python3 tests/documentation/reference_test.py SOURCE_DIR PROGRAM
 
@@ -16,6 +16,9 @@ import tempfile
 RENEW = "build/bin/tomlin describe --markdown --force -o ."
 
 LINK = re.compile(r"\]\(([^)#:]+)\)")  # to files; not to sections, nor elsewhere
+TYPE = re.compile(r"^## (\w+)$", flags=re.MULTILINE)
+PAGES_OF_TYPES = ("forcefields/REFERENCE.md", "integrators/REFERENCE.md",
+                  "framework/bodies/REFERENCE.md")
 
 
 def stale(source, made):
@@ -37,6 +40,23 @@ def broken_links(source, made):
             for page in sorted(made.glob("**/*.md"))
             for target in LINK.findall(page.read_text(encoding="utf-8"))
             if not (source / page.relative_to(made).parent / target).exists()]
+
+
+def without_guide(guide, made):
+    """Types of components that the text of the guide does not name."""
+    return [f"the user guide does not name `{name}`"
+            for page in PAGES_OF_TYPES
+            for name in TYPE.findall((made / page).read_text(encoding="utf-8"))
+            if f"`{name}`" not in guide]
+
+
+def sees_types(made):
+    """A planted guide that names all types but one."""
+    names = [name for page in PAGES_OF_TYPES
+             for name in TYPE.findall((made / page).read_text(encoding="utf-8"))]
+    named = [f"`{name}`" for name in names]
+    return (len(names) > len(PAGES_OF_TYPES) and not without_guide(" ".join(named), made)
+            and len(without_guide(" ".join(named[1:]), made)) == 1)
 
 
 def sees_faults(made):
@@ -65,10 +85,12 @@ def main():
         made = pathlib.Path(name)
         subprocess.run([program, "describe", "--markdown", "-o", made], check=True,
                        stdout=subprocess.DEVNULL)
-        if not sees_faults(made):
+        if not sees_faults(made) or not sees_types(made):
             print("the test itself is broken: a planted fault was not noticed")
             return 1
-        complaints = stale(source, made) + broken_links(source, made)
+        guide = "".join(page.read_text(encoding="utf-8")
+                        for page in sorted((source / "framework/guide").glob("*.md")))
+        complaints = stale(source, made) + broken_links(source, made) + without_guide(guide, made)
         print(f"{len(list(made.glob('**/*.md')))} pages, {len(complaints)} complaints")
     if complaints:
         print("\n".join(complaints) + f"\n\nin the project's folder, this renews them:\n  {RENEW}")

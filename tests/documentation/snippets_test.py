@@ -23,7 +23,10 @@ import tempfile
 from pages import is_generated, pages_of
 
 # Pages that would be useless without commands.
-MUST_HAVE_BLOCKS = ("README.md", "framework/USER_GUIDE.md")
+MUST_HAVE_BLOCKS = ("README.md",) + tuple(
+    f"framework/guide/{name}.md" for name in (
+        "accuracy", "atoms", "bodies", "commands", "figures", "forces", "formulas", "integrators",
+        "recipes", "results", "scenes", "sweeps", "temperature", "units"))
 
 SECONDS_PER_BLOCK = 300  # a snippet that takes longer has no place in an `sh` block
 

@@ -49,6 +49,7 @@ def check_contents(package):
              output_of("dpkg-deb", "--contents", package).splitlines()}
     for name in ("./usr/bin/tomlin", "./usr/share/doc/tomlin/README.md",
                  "./usr/share/doc/tomlin/LICENSE", "./usr/share/doc/tomlin/framework/USER_GUIDE.md",
+                 "./usr/share/doc/tomlin/framework/guide/recipes.md",
                  "./usr/share/doc/tomlin/scenarios/rolling_ring/table_1_rigid.toml"):
         assert name in names, name
     strays = [name for name in names if name.endswith((".hpp", ".a", ".cmake"))]
