@@ -55,15 +55,9 @@ endforeach()
 
 # The pages, laid out as they link to each other, with the scenes that they run.
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME program)
-<<<<<<< HEAD
 install(FILES LICENSE README.md CHANGELOG.md CITATION.cff CONTRIBUTING.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
-foreach(folder framework framework/bodies framework/plugin framework/plugin/kim framework/run
-               framework/scene forcefields integrators tests)
-=======
-install(FILES LICENSE README.md CHANGELOG.md CONTRIBUTING.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 foreach(folder framework framework/bodies framework/guide framework/plugin framework/plugin/kim
                framework/run framework/scene forcefields integrators tests)
->>>>>>> 3f174ac (User guide: a page per question, recipes and units)
   file(GLOB pages CONFIGURE_DEPENDS ${folder}/*.md)
   install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder})
 endforeach()
