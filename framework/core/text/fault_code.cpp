@@ -402,7 +402,7 @@ constexpr FaultKind kKinds[] = {
      "The folder has no column, body or sample that the figure needs.",
      "A figure of a run whose scene has no [output].",
      "Choose another figure or column, or run with it."},
-    {FaultCode::plot_no_matplotlib, "plot.no_matplotlib",
+    {FaultCode::plot_no_gnuplot, "plot.no_matplotlib",
      "Figures are drawn by matplotlib in Python, which is not there.",
      "A machine without matplotlib.",
      "Install it (Debian: python3-matplotlib), and build the Python module, ./dev python."},

@@ -106,7 +106,7 @@ enum class FaultCode {
   output_too_large,
   output_events_dropped,
   plot_no_data,
-  plot_no_matplotlib,
+  plot_no_gnuplot,
   // The command line and the machine.
   command_unknown,
   command_not_in_this_version,
