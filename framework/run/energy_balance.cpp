@@ -115,13 +115,14 @@ void EnergyBalance::prepare(RunContext& run) {
   const double steps = fixed ? (to_ - from_) / run.plan.dt : 0.0;
   ledger_ = std::make_unique<BriefLedger>(run);
   if (ledger_->can_be_kept()) {
-    whole_ = steps < (ledger_->splits_friction() ? kShortWithSplitFriction : kShort);
+    const bool whole = steps < (ledger_->splits_friction() ? kShortWithSplitFriction : kShort);
     const double strata = std::clamp(steps / kStepsInStratum, static_cast<double>(kFewestStrata),
                                      static_cast<double>(kMostSamples));
-    stratum_ = std::max<std::int64_t>(std::llround(whole_ ? steps : steps / strata), 1);
-    steps_ = whole_ ? stratum_ : kBlock;
+    stratum_ = std::max<std::int64_t>(std::llround(whole ? steps : steps / strata), 1);
+    steps_ = whole ? stratum_ : kBlock;
     // Runs of a batch in lanes have the same rates from their start to their end.
-    if (whole_) ledger_->keep(run, true);
+    kept_throughout_ = whole && !ledger_->splits_friction();
+    if (kept_throughout_) ledger_->keep(run, true);
     return;
   }
   ledger_ = nullptr;
@@ -168,7 +169,7 @@ std::int64_t EnergyBalance::length_of_stratum() const {
 std::int64_t EnergyBalance::idle_steps(const RunContext& run) {
   const double now = run.clock.time();
   if (!looks() || now < from_) return kNever;
-  if (place_[kOpen] == kYes && whole_) {
+  if (place_[kOpen] == kYes && kept_throughout_) {
     const std::int64_t left = steps_ - (run.clock.steps() - place_[kBlockFirst]);
     const auto in_window = static_cast<std::int64_t>((to_ - now) / run.plan.dt);
     return std::max<std::int64_t>(std::min(left, in_window), 0);
@@ -242,7 +243,7 @@ void EnergyBalance::open_block(RunContext& run) {
 /// A block in which the run has failed counts for nothing.
 void EnergyBalance::close_block(RunContext& run, std::int64_t steps) {
   const EnergyTerms terms = ledger_->terms(run, sums_ + kReals, sums_[kBlockBegin]);
-  if (!whole_) ledger_->keep(run, false);
+  if (!kept_throughout_) ledger_->keep(run, false);
   place_[kOpen] = kNo;
   if (steps > 0 && !run.outcome.failure) count(run, terms, stored_energy(run), steps);
 }

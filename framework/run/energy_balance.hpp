@@ -120,10 +120,10 @@ class EnergyBalance {
   std::vector<double> sums_of_rates_;
   double from_ = 0.0;
   double to_ = 0.0;
-  std::int64_t stratum_ = 0;  ///< steps, at least; 0: nothing is looked at
-  std::int64_t steps_ = 1;    ///< that a sample has
-  bool whole_ = false;        ///< the run keeps a ledger of all its steps
-  bool grows_ = false;        ///< later strata are longer
+  std::int64_t stratum_ = 0;      ///< steps, at least; 0: nothing is looked at
+  std::int64_t steps_ = 1;        ///< that a sample has
+  bool kept_throughout_ = false;  ///< the run keeps a ledger in all its steps
+  bool grows_ = false;            ///< later strata are longer
   bool looks_into_step_ = false;
   std::int64_t known_ = -1;  ///< the stratum whose sample begins
   std::int64_t next_ = 0;    ///< with this step
