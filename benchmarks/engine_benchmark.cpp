@@ -297,8 +297,8 @@ BENCHMARK(BM_golden_chain_1000)->Name("golden_chain_1000/tomlin");
 void BM_chain_energy_1000(benchmark::State& state) {
   static Engine& engine = engine_for(chain("1000", "1.618033988749895"));
   const SystemView<double>& view = engine.model().system().view;
-  const Stage<double> here =
-      stage_of(view, view.position, view.velocity, view.integrals, nullptr, 0.0);
+  const Stage<double> here = stage_of(view, view.position, view.velocity, view.integrals,
+                                      static_cast<double*>(nullptr), 0.0);
   for (auto _ : state) {
     double total = 0.0;
     for (const Model::Force& force : engine.model().forces()) total += force.energy(here);
