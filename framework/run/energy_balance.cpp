@@ -35,9 +35,10 @@ constexpr double kStepsInStratum = 1024.0;
 constexpr std::int64_t kFewestStrata = 16;
 /// Runs of so many steps are looked at as a whole, with a ledger of their own, which costs a few
 /// per cent of each step. Schemes that split friction off have no ledger in lanes of a sweep, so
-/// that a run would take all these steps alone.
+/// that a run would take all these steps alone; more blocks of long runs make up for it.
 constexpr double kShort = 16384.0;
 constexpr double kShortWithSplitFriction = 1024.0;
+constexpr double kStepsInStratumWithSplitFriction = 125.0;
 /// Numerical work beside the larger one of work and heat, or beside the energy where there is no
 /// heat: a few per cent are what a coarse but sensible step costs.
 constexpr double kNotSmall = 0.05;
@@ -115,13 +116,15 @@ void EnergyBalance::prepare(RunContext& run) {
   const double steps = fixed ? (to_ - from_) / run.plan.dt : 0.0;
   ledger_ = std::make_unique<BriefLedger>(run);
   if (ledger_->can_be_kept()) {
-    const bool whole = steps < (ledger_->splits_friction() ? kShortWithSplitFriction : kShort);
-    const double strata = std::clamp(steps / kStepsInStratum, static_cast<double>(kFewestStrata),
-                                     static_cast<double>(kMostSamples));
+    const bool split = ledger_->splits_friction();
+    const bool whole = steps < (split ? kShortWithSplitFriction : kShort);
+    const double strata =
+        std::clamp(steps / (split ? kStepsInStratumWithSplitFriction : kStepsInStratum),
+                   static_cast<double>(kFewestStrata), static_cast<double>(kMostSamples));
     stratum_ = std::max<std::int64_t>(std::llround(whole ? steps : steps / strata), 1);
     steps_ = whole ? stratum_ : kBlock;
     // Runs of a batch in lanes have the same rates from their start to their end.
-    kept_throughout_ = whole && !ledger_->splits_friction();
+    kept_throughout_ = whole && !split;
     if (kept_throughout_) ledger_->keep(run, true);
     return;
   }
