@@ -43,10 +43,14 @@ BriefLedger::BriefLedger(const RunContext& run) {
     if (!has_velocities(run.model, force)) return;
     // A kick's forces are the rates, at a velocity of half a step before.
     if (splits_friction_ && !force.traits.conservative) return;
-    if (before > 0 && !add_point(force, rate)) points_.clear();
     heats_.push_back({rate, force.traits.conservative});
-    operations_.push_back(heat);
     lane_calls_.push_back(lane_call_of(heat));
+    if (before > 0 && add_point(force, rate)) {
+      heat = {&write_heat, &dampers_.back()};
+    } else {
+      points_.clear();
+    }
+    operations_.push_back(heat);
     rate += 1 + before;
   }
   if (view.flow_count > 0) {
@@ -74,7 +78,7 @@ bool BriefLedger::add_point(const Model::Force& force, std::size_t rate) {
     return point.parameters == own.parameters && point.rate == kNoRate;
   });
   if (found == points_.end()) return false;
-  dampers_.push_back({found->run, found->parameters});
+  dampers_.push_back({found->run, found->parameters, found->start, rate});
   found->run = &with_heat;
   found->parameters = &dampers_.back();
   found->rate = static_cast<std::ptrdiff_t>(rate) - 1;
@@ -86,6 +90,15 @@ PointResult<double> BriefLedger::with_heat(const void* damper, double position, 
   const auto& own = *static_cast<const Damper*>(damper);
   const PointResult<double> of = own.run(own.parameters, position, velocity, start, elapsed);
   return {of.force, -of.force * velocity};
+}
+
+/// A step that is taken by operations leaves the same rates as one in registers.
+void BriefLedger::write_heat(const void* damper, const Stage<double>& stage) {
+  const Damper& own = *static_cast<const Damper*>(damper);
+  const PointResult<double> of =
+      with_heat(damper, stage.position[0], stage.velocity[0], own.start, stage.elapsed);
+  stage.rates[own.rate - 1] = of.force;
+  stage.rates[own.rate] = of.power;
 }
 
 bool BriefLedger::lacks_first_step(const RunContext& run) const {

@@ -43,11 +43,14 @@ class BriefLedger {
   struct Damper {
     PointKernel<double> run = nullptr;
     const void* parameters = nullptr;
+    double start = 0.0;
+    std::size_t rate = 0;  ///< of the power; the force stands before it
   };
 
   bool add_point(const Model::Force& force, std::size_t rate);
   static PointResult<double> with_heat(const void* damper, double position, double velocity,
                                        double start, double elapsed);
+  static void write_heat(const void* damper, const Stage<double>& stage);
 
   bool can_be_kept_ = false;
   bool splits_friction_ = false;

@@ -44,7 +44,7 @@ TEST(Built, AFreeParticleHasNoForcesAndNoIntegrals) {
       scene_of("[[body]]\ntype = \"point\"\nposition = [0.0]\nparticle_mass = 1.0\n"
                "[run]\nduration = 1.0\nintegrator = { type = \"rk4\", dt = 0.1 }\n"));
   EXPECT_TRUE(model.forces().empty());
-  EXPECT_EQ(model.system().view.rates, 0u);
+  EXPECT_EQ(model.system().view.used_rates, 0u);
   EXPECT_LE(model.system().view.operation_count, 1u + kFilling);
   EXPECT_EQ(model.origin().unit[0], 0.0) << "no period, no cells";
 }
