@@ -243,7 +243,7 @@ struct Chain {
 
   explicit Chain(int particles, double spacing = 1.0);
   void advance(std::int64_t steps, double h);
-  // Of bonds and substrate.
+  // Returns the energy of bonds and substrate.
   double energy() const;
 
  private:

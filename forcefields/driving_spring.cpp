@@ -87,7 +87,7 @@ class Driven : public Base, public PulledEnd {
 
   bool depends_on_time() const override { return true; }
 
-  /// In lanes the support follows from the time in a kernel, unless it may reverse.
+  /// A kernel computes the support from the time in lanes, unless the spring may reverse.
   std::vector<Pass<Real>> passes() override {
     std::vector<Pass<Real>> all = Base::passes();
     if constexpr (std::is_same_v<Real, double>) {

@@ -89,7 +89,7 @@ struct DrivingSpring {
     return force;
   }
 
-  /// Of the support, on the spring.
+  /// Returns the power that the support puts in.
   template <class T, int D>
   static T power(const Parameters<T, D>& p, const Site<T, D>&, const Vec<T, D>& force) {
     return dot(force, p.velocity);

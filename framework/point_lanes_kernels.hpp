@@ -30,7 +30,7 @@ struct PointLanesTable {
 
 inline namespace TOMLIN_TARGET {
 
-/// For the energy ledger, after the force itself: force and power that it takes out, as rates.
+/// The energy ledger integrates a damper's force and power as rates, after the force itself.
 template <class Force>
 struct HeatOf : Force {};
 template <class Force>

@@ -125,8 +125,8 @@ class Model {
   /// A place relative to the origin in the scene's own coordinates: cells added back.
   DoubleDouble placed(int axis, double offset) const { return origin_place_[axis] + offset; }
 
-  /// Where the support of a driver of steady velocity is, in the scene's own coordinates, at a
-  /// time since which its velocity has not changed.
+  /// Returns the position of the support of a driver in the scene's own coordinates, at a time
+  /// since which its velocity has not changed.
   DoubleDouble pulled_end(std::size_t driver, const DoubleDouble& time, int axis) const;
 
   /// Without inertia velocities follow from forces: those at the last evaluated state.

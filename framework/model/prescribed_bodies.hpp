@@ -13,7 +13,7 @@
 
 namespace tomlin {
 
-/// What does work on the scene: a force with a support, or a prescribed body.
+/// A driver does work on the scene: a force with a support, or a prescribed body.
 struct AssembledDriver {
   std::string name;
   std::ptrdiff_t first_rate = kNoRate;

@@ -21,13 +21,13 @@
 namespace tomlin {
 namespace {
 
-/// Of a run whose number of steps is known, so many steps are looked into.
+/// So many steps are sampled of a run whose number of steps is known.
 constexpr std::int64_t kMostSamples = 128;
-/// Of others, later strata are so large a part of all steps before them.
+/// Later strata of an adaptive run have this part of the number of steps before them.
 constexpr std::int64_t kEarlierInStratum = 128;
 /// The most that looking into steps takes of a run's evaluations.
 constexpr double kPartOfEvaluations = 0.05;
-/// What looking into a step takes: nodes, and both ends, where energies cost as much as forces.
+/// A sampled step costs its nodes and both ends, where energies cost as much as forces.
 constexpr double kEvaluationsOfStep = 4.0 + kGaussNodes;
 /// A block of the run's own, with the energies at both of its ends, costs a tip as much as some 25
 /// of its steps: so many of them are in a stratum, but for runs that are little longer than short.
@@ -129,7 +129,7 @@ void EnergyBalance::prepare(RunContext& run) {
     return;
   }
   ledger_ = nullptr;
-  // Of friction that a scheme splits off dense output shows the ends of steps alone.
+  // Dense output shows friction that a scheme splits off at the ends of steps alone.
   const bool splits_friction = run.model.system().view.flow_count > 0;
   if (has_thermostat(*run.scene) || splits_friction || !find_heats(run)) return;
   const int each = std::max(run.scheme.evaluations_per_step, 1);
@@ -292,11 +292,11 @@ void EnergyBalance::add_node(RunContext& run, const RunMoment& at, double weight
   }
 }
 
-/// What so many steps have done, which end with the energy `stored`.
+/// Counts a sample of so many steps, which end with the energy `stored`.
 void EnergyBalance::count(const RunContext& run, EnergyTerms terms, double stored,
                           std::int64_t steps) {
   terms.stored = stored - std::exchange(sums_[kStoredEnergy], stored);
-  // In parts of what the first sample has: squares stay numbers.
+  // Energies are counted in units of the first sample, so that their squares do not overflow.
   if (sums_[kUnit] == 0.0) {
     const double size = std::max(
         {std::abs(terms.work), std::abs(terms.heat), std::abs(terms.stored), std::abs(stored)});

@@ -59,7 +59,7 @@ class EnergyBalance {
   void attach(double* reals, std::int64_t* integers);
   /// Begins a window.
   void start(double from, double to);
-  /// Before the first step. Without effect where nothing can be looked at.
+  /// Is called before the first step. Has no effect where no step can be sampled.
   void prepare(RunContext& run);
 
   /// Before every step of the run, or as many as it said last; and at its end.
@@ -96,7 +96,7 @@ class EnergyBalance {
   /// Whether the run keeps a ledger: from the next step on, or for a block of steps.
   enum { kNo, kFromNextStep, kYes };
 
-  /// What a force takes out of the scene.
+  /// The power that a force takes out of the scene.
   struct Heat {
     Operation<double> operation;
     bool of_energy = false;  ///< of one that changes with time: work on the scene

@@ -28,7 +28,7 @@ struct RunPlan {
 /// for a run of more steps or samples than could ever be taken.
 RunPlan plan_run(const Model& model);
 
-/// Of the support.
+/// Returns the speed of a support.
 double speed_of(const Drive& drive);
 /// Of it along the axes on which a spring acts, which is the pull: motion along others pulls
 /// nothing. Without a spring on any axis that it moves along, the same.

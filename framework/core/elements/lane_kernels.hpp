@@ -304,7 +304,7 @@ TOMLIN_FLATTEN void cyclic_over_lanes(const void* arguments, const Stage<double>
     const double* numbers = l.numbers + lane;
     const double* data = numbers + kPairNumbers<E, D> * w;
     const auto p = in_lanes<typename E::template Parameters<Pack, D>>(numbers, w);
-    // As for one run: forwards row by row, then backwards from the furthest.
+    // Forces are added in the order of one run: forwards by rows, then backwards from the furthest.
     for (std::size_t i = 0; i < count; ++i) {
       const Vec<Pack, D> here = body.place<D>(i);
       const std::size_t evaluated = is_halved && i >= count / 2 ? rows - 1 : rows;

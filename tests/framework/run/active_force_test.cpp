@@ -136,7 +136,7 @@ TEST(ActiveForce, SwitchingIsNoWork) {
   }
 }
 
-/// Before a driver acts its force is none; then its support moves from where the particle is.
+/// A driver has no force before it acts; then its support moves from where the particle is.
 TEST(ActiveForce, SamplesShowIt) {
   KeptSamples kept;
   RunOptions options;

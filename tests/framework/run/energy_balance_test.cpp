@@ -203,7 +203,7 @@ TEST(EnergyBalance, IsHeldAgainstFlowsAndNotTheirDifference) {
   }
 }
 
-/// With a ledger of the run's own, and by looks into single steps.
+/// A ledger of the run's own finds it, and so do samples of single steps.
 TEST(EnergyBalance, FindsAForceThatIsNotTheSlopeOfItsEnergy) {
   const SpoiltRegistry spoilt("sinusoidal_substrate", planted<PullsOn>);
   const SpoiltRegistry sound("sinusoidal_substrate", planted<SinusoidalSubstrate>);
@@ -329,7 +329,7 @@ TEST(EnergyBalance, OfWhatIsLeftAlone) {
   EXPECT_TRUE(warned(run_text(left_alone(fixed_step(0.2)))));
 }
 
-/// In any number type, with internal variables of forces and prescribed motions.
+/// The balance holds in any number type, with internal variables and prescribed motions.
 TEST(EnergyBalance, OfPrescribedWaysInEveryNumberTypeIsKept) {
   for (const char* type : {"double", "float", "quadruple"}) {
     SCOPED_TRACE(type);

@@ -100,7 +100,7 @@ TEST(UnintendedScenes, TemperaturesFarAboveTheBarriers) {
   const std::string flake = "type = \"chain\"\ncount = 4\nspacing = 1.0\ncoordinates = \"rigid\"\n";
   EXPECT_FALSE(is_too_hot({.temperature = "300.0", .body = flake}));
   EXPECT_TRUE(is_too_hot({.temperature = "401.0", .body = flake}));
-  // In metal units a temperature is in K: 300 K are 0.026 eV.
+  // A temperature in metal units is in K: 300 K are 0.026 eV.
   const std::string metal = "[scene]\nunits = \"metal\"\n";
   EXPECT_FALSE(is_too_hot({.temperature = "300.0", .units = metal}));
 }
