@@ -160,6 +160,29 @@ TEST(StableStep, AdaptiveSchemesAreNotHeldToIt) {
 
 // ---- failures
 
+/// Where a step is asked for, a lower bound may be returned that is beyond it, and no other.
+TEST(StableStep, ABoundBeyondAStepIsNoMoreThanTheLimit) {
+  int bounds = 0;
+  for (const char* scheme : {"rk4", "midpoint", "velocity_verlet"}) {
+    for (const double damping : {0.0, 0.3, 2.0, 20.0, 400.0}) {
+      for (const double part : {0.05, 0.5, 0.8, 0.99, 1.01}) {
+        std::string text = oscillator(3.0, damping, 1e-3, 10.0);
+        text.replace(text.find("rk4"), 3, scheme);
+        Engine engine(scene_of(text), {});
+        const IntegratorRecord& record = *standard().integrator(scheme);
+        const double limit = engine.model().stable_step(record);
+        const double enough = part * (std::isfinite(limit) ? limit : 1.0);
+        const double bound = engine.model().stable_step(record, enough);
+        EXPECT_LE(bound, limit * (1.0 + kBisection)) << scheme << ", " << damping << ", " << part;
+        if (bound == limit) continue;
+        EXPECT_GT(bound, enough) << scheme << ", " << damping << ", " << part;
+        ++bounds;
+      }
+    }
+  }
+  EXPECT_GT(bounds, 0) << "a bound is found without a search somewhere";
+}
+
 TEST(Failure, ASpeedThatRunsAwayIsNoticedAtAPeriodAStep) {
   const std::string text =
       "[[body]]\nname = \"tip\"\ntype = \"point\"\nposition = [0.0]\nparticle_mass = 1.0\n"
