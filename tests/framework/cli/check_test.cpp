@@ -36,29 +36,14 @@ TEST_F(Check, ASoundSceneIsOneLine) {
 
 /// Forces are checked one by one, also where a run that needs noise needs it of another force.
 TEST_F(Check, AThermalSceneMayAskForRepeatsOrAnError) {
-  write(folder_ / "warm.toml", R"(
-[[body]]
-name = "tip"
-type = "point"
-position = [0.0]
-particle_mass = 1.0
-[[force]]
-name = "driver"
-type = "driving_spring"
-stiffness = 1.0
-velocity = [0.1]
-[[force]]
-type = "langevin"
-coefficient = 0.5
-temperature = 0.01
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = 0.1
-period = 1.0
-[run]
-duration = 50.0
-integrator = { type = "baoab", dt = 0.05 }
-)");
+  std::string warm = kTip;
+  const auto put = [&warm](const std::string& before, const std::string& after) {
+    warm.replace(warm.find(before), before.size(), after);
+  };
+  put("type = \"viscous_damping\"", "type = \"langevin\"\ntemperature = 0.01");
+  put("type = \"rk4\"", "type = \"baoab\"");
+  warm.erase(warm.find("[measure]"), warm.find("[output]") - warm.find("[measure]"));
+  write(folder_ / "warm.toml", warm);
   for (const char* asked :
        {"run.repeats=4", "run.until={ error = 0.1, of = \"driver.mean_force.x\" }"}) {
     for (const char* command : {"check", "explain"}) {
