@@ -319,12 +319,13 @@ BENCHMARK(BM_golden_chain_100000)->Name("golden_chain_100000/tomlin");
 // ---- what it costs to watch the energy balance: whole runs, from the text of the scene to the
 // result, with it and without by turns. The ratio of the medians is the figure.
 
-double seconds_of_run(const std::string& scene, const std::string& duration, bool watches_energy) {
+double seconds_of_run(const std::string& scene, const std::vector<Setting>& settings,
+                      bool watches_energy) {
   RunOptions options;
   options.watches_energy = watches_energy;
   const auto begin = std::chrono::steady_clock::now();
-  benchmark::DoNotOptimize(run_as_bound(
-      parse_scene(scene, "benchmark", registry(), {{"run.duration", duration}}), options));
+  benchmark::DoNotOptimize(
+      run_as_bound(parse_scene(scene, "benchmark", registry(), settings), options));
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
@@ -334,12 +335,13 @@ double median_of(std::vector<double> all) {
   return *middle;
 }
 
-void BM_watched(benchmark::State& state, const std::string& scene, const std::string& duration) {
+void BM_watched(benchmark::State& state, const std::string& scene,
+                const std::vector<Setting>& settings) {
   std::vector<double> watched;
   std::vector<double> blind;
   for (auto _ : state) {
-    blind.push_back(seconds_of_run(scene, duration, false));
-    watched.push_back(seconds_of_run(scene, duration, true));
+    blind.push_back(seconds_of_run(scene, settings, false));
+    watched.push_back(seconds_of_run(scene, settings, true));
   }
   state.counters["watched_over_blind"] = median_of(watched) / median_of(blind);
 }
@@ -349,15 +351,22 @@ void register_watched() {
     std::string model;
     std::string scene;
     std::string dt;
+    std::vector<Setting> settings = {};
   };
+  const std::vector<Setting> overdamped = {{"run.dynamics", "overdamped"}};
   for (const Watched& one :
        {Watched{"pt", kPt, "1e-2"}, Watched{"rigid_ring_8", ring("rigid", "1e-2"), "1e-2"},
         Watched{"flexible_ring_8", ring("particles", "1e-4"), "1e-4"},
-        Watched{"chain_1000", chain("1000", "1.0"), "1e-2"}}) {
+        Watched{"chain_1000", chain("1000", "1.0"), "1e-2"},
+        Watched{"pt baoab", kPt, "1e-2", {{"run.integrator.type", "\"baoab\""}}},
+        Watched{"pt dopri5", kPt, "0.1", {{"run.integrator", "{ type = \"dopri5\" }"}}},
+        Watched{"pt overdamped", kPt, "1e-2", overdamped}}) {
     for (const std::string steps : {"100", "1000", "1e4"}) {
       benchmark::RegisterBenchmark((one.model + " " + steps + " steps/watched").c_str(),
                                    [one, steps](benchmark::State& state) {
-                                     BM_watched(state, one.scene, steps + " * " + one.dt);
+                                     std::vector<Setting> settings = one.settings;
+                                     settings.push_back({"run.duration", steps + " * " + one.dt});
+                                     BM_watched(state, one.scene, settings);
                                    })
           ->Unit(benchmark::kMicrosecond);
     }
@@ -634,6 +643,9 @@ void register_replicas() {
   const Setting baoab = {"run.integrator.type", "\"baoab\""};
   const std::vector<Replicas> all = {
       {"pt", kPt, 64, {{"run.duration", "4e3"}}},
+      // These keep a ledger of their own in lanes.
+      {"pt short", kPt, 64, {{"run.duration", "1e2"}}},
+      {"rigid_ring_8 short", ring("rigid", "1e-2"), 16, {{"run.duration", "1e2"}}},
       {"pt watched", kPt, 64, {{"run.duration", "4e3"}}, watched},
       {"pt baoab without noise",
        kPt,
