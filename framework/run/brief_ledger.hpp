@@ -27,6 +27,8 @@ class BriefLedger {
   /// From this step on, or no more.
   void keep(RunContext& run, bool on);
   bool is_kept() const { return kept_; }
+  /// The ledger of a single particle on a line is kept by the kernels that take steps in registers.
+  bool is_in_registers() const { return !points_.empty(); }
   /// The scheme splits friction off: a run that keeps the ledger takes its steps alone.
   bool splits_friction() const { return splits_friction_; }
   /// Returns work and heat of the steps since `from`, from running integrals then and now; the

@@ -26,19 +26,21 @@ constexpr std::int64_t kMostSamples = 128;
 /// Later strata of an adaptive run have this part of the number of steps before them.
 constexpr std::int64_t kEarlierInStratum = 128;
 /// The most that looking into steps takes of a run's evaluations.
-constexpr double kPartOfEvaluations = 0.05;
+constexpr double kPartOfEvaluations = 0.04;
 /// A sampled step costs its nodes and both ends, where energies cost as much as forces.
 constexpr double kEvaluationsOfStep = 4.0 + kGaussNodes;
 /// A block of the run's own, with the energies at both of its ends, costs a tip as much as some 25
 /// of its steps: so many of them are in a stratum, but for runs that are little longer than short.
 constexpr double kStepsInStratum = 1024.0;
 constexpr std::int64_t kFewestStrata = 16;
-/// Runs of so many steps are looked at as a whole, with a ledger of their own, which costs a few
-/// per cent of each step. Schemes that split friction off have no ledger in lanes of a sweep, so
-/// that a run would take all these steps alone; more blocks of long runs make up for it.
+/// Runs of fewer steps are looked at as a whole, with a ledger of their own. In registers that
+/// costs a per cent or two of each step, in arrays up to eight. Schemes that split friction off
+/// have no ledger in lanes of a sweep, where a run would take all these steps alone.
 constexpr double kShort = 16384.0;
+constexpr double kShortInArrays = 4096.0;
 constexpr double kShortWithSplitFriction = 1024.0;
-constexpr double kStepsInStratumWithSplitFriction = 125.0;
+/// Longer runs of the last two have more blocks, which find a force that is off by a fifth.
+constexpr double kStepsInStratumInArrays = 125.0;
 /// Numerical work beside the larger one of work and heat, or beside the energy where there is no
 /// heat: a few per cent are what a coarse but sensible step costs.
 constexpr double kNotSmall = 0.05;
@@ -117,10 +119,13 @@ void EnergyBalance::prepare(RunContext& run) {
   ledger_ = std::make_unique<BriefLedger>(run);
   if (ledger_->can_be_kept()) {
     const bool split = ledger_->splits_friction();
-    const bool whole = steps < (split ? kShortWithSplitFriction : kShort);
-    const double strata =
-        std::clamp(steps / (split ? kStepsInStratumWithSplitFriction : kStepsInStratum),
-                   static_cast<double>(kFewestStrata), static_cast<double>(kMostSamples));
+    const bool in_registers = ledger_->is_in_registers() && !split;
+    const bool whole = steps < (split          ? kShortWithSplitFriction
+                                : in_registers ? kShort
+                                               : kShortInArrays);
+    const double in_stratum = in_registers ? kStepsInStratum : kStepsInStratumInArrays;
+    const double strata = std::clamp(steps / in_stratum, static_cast<double>(kFewestStrata),
+                                     static_cast<double>(kMostSamples));
     stratum_ = std::max<std::int64_t>(std::llround(whole ? steps : steps / strata), 1);
     steps_ = whole ? stratum_ : kBlock;
     // Runs of a batch in lanes have the same rates from their start to their end.

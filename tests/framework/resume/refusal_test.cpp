@@ -269,9 +269,12 @@ TEST_F(Resume, AFullFileSystemKeepsTheLastCheckpointToo) {
     return tomlin(words, conditions);
   };
   ASSERT_EQ(run("whole", {}).status, 0);
-  const Ended full = run("disk/out", {}, {.then = [&](pid_t) {
+  const Ended full = run("disk/out", {}, {.then = [&](pid_t child) {
                            EXPECT_TRUE(appears(folder_ / "disk/out/run.checkpoint"));
+                           // The run waits meanwhile, however slowly the disk is filled.
+                           ::kill(child, SIGSTOP);
                            std::ofstream(folder_ / "disk/other") << std::string(8 << 20, 'x');
+                           ::kill(child, SIGCONT);
                          }});
   EXPECT_EQ(full.status, 1);
   EXPECT_TRUE(contains(full.err, "No space left on device")) << full.err;

@@ -359,7 +359,15 @@ const std::vector<std::string> kWithHeat = {
 /// The energy balance of a short run is that of all its steps: heats are integrated in lanes, too.
 TEST(LaneBatch, ShortRunsKeepALedgerInLanes) {
   for (const std::string& name : kWithHeat) {
-    const LaneCase& one = lane_case(name);
+    LaneCase one = lane_case(name);
+    one.text = [text = one.text](int k) {  // of fewer than 1024 steps
+      std::string all = text(k);
+      const std::size_t run = all.find("[run]");
+      const std::size_t from = all.find("duration = ", run) + 11;
+      const std::size_t end = all.find('\n', from);
+      const double fewer = 0.3 * std::stod(all.substr(from, end - from));
+      return all.replace(from, end - from, digits(fewer));
+    };
     RunOptions options = asked_for(one);
     options.watches_energy = true;
     constexpr int kReplicas = 9;
