@@ -453,7 +453,6 @@ const std::vector<Variant>& common_variants() {
   static const std::vector<Variant> variants = {
       {"ledger", {{"run.ledger", "true"}}},
       {"sample every 100 steps", {{"output.every", "100 * 1e-2"}}},
-      {"float", {{"run.number_type", "\"float\""}}},
       {"quadruple", {{"run.number_type", "\"quadruple\""}}, 1},
       {"midpoint", {{"run.integrator.type", "\"midpoint\""}}},
       {"velocity_verlet", {{"run.integrator.type", "\"velocity_verlet\""}}},

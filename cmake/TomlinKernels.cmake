@@ -15,16 +15,13 @@ list(REMOVE_ITEM TOMLIN_SET_DEFINITIONS baseline)
 list(TRANSFORM TOMLIN_SET_DEFINITIONS TOUPPER)
 list(TRANSFORM TOMLIN_SET_DEFINITIONS PREPEND TOMLIN_KERNELS_)
 
-# -DTOMLIN_NUMBER_TYPES="double" leaves number types out in the same way; double is always needed.
+# -DTOMLIN_NUMBER_TYPES="double" leaves quadruple precision out in the same way.
 if(NOT DEFINED TOMLIN_NUMBER_TYPES)
-  set(TOMLIN_NUMBER_TYPES double float Quad)
+  set(TOMLIN_NUMBER_TYPES double Quad)
 endif()
-foreach(type float Quad)
-  if(NOT type IN_LIST TOMLIN_NUMBER_TYPES)
-    string(TOUPPER ${type} upper)
-    list(APPEND TOMLIN_SET_DEFINITIONS TOMLIN_WITHOUT_${upper})
-  endif()
-endforeach()
+if(NOT Quad IN_LIST TOMLIN_NUMBER_TYPES)
+  list(APPEND TOMLIN_SET_DEFINITIONS TOMLIN_WITHOUT_QUAD)
+endif()
 
 # What kernels are compiled with wherever they are compiled. Highway's own assertions, which builds
 # without optimisation would switch on, need its library; here only its headers are used.

@@ -1,5 +1,5 @@
 # tomlin_add_plugin(NAME FILE...
-#                   [NUMBER_TYPES double float Quad] [INSTRUCTION_SETS baseline avx2 avx512])
+#                   [NUMBER_TYPES double Quad] [INSTRUCTION_SETS baseline avx2 avx512])
 #
 # Makes the shared library libNAME.so, for `plugins = ["libNAME.so"]` in a scene. NAME is a target
 # like any other. Of each FILE.cpp that declares kernels, TOMLIN_DECLARE_KERNELS(Evaluator), the

@@ -259,8 +259,7 @@ ForceRecord driving_spring_record() {
                 "and without times, alternately as long as the run lasts")
           .or_absent()};
   record.complaints = of_description<&complaints>;
-  record.bind = {of_description<&bind<double>>, of_description<&bind<float>>,
-                 of_description<&bind<Quad>>};
+  record.bind = {of_description<&bind<double>>, of_description<&bind<Quad>>};
   record.example = R"(# A damped particle follows a spring.
 [[body]]
 type = "point"

@@ -470,8 +470,7 @@ ForceRecord expression_record() {
   record.pairs = of_description<&pairs>;
   record.period = of_description<&period_on>;
   record.length = of_description<&length_of_law>;
-  record.bind = {of_description<&bind<double>>, of_description<&bind<float>>,
-                 of_description<&bind<Quad>>};
+  record.bind = {of_description<&bind<double>>, of_description<&bind<Quad>>};
   record.example =
       R"toml(# The substrate of a rolling ring as a formula: a particle swings about the minimum.
 [parameters]

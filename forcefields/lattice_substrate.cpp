@@ -714,8 +714,7 @@ ForceRecord lattice_substrate_record() {
   record.prepare = of_description<&prepare>;
   record.read_from = of_description<&read_from>;
   record.note = of_description<&note>;
-  record.bind = {of_description<&bind<double>>, of_description<&bind<float>>,
-                 of_description<&bind<Quad>>};
+  record.bind = {of_description<&bind<double>>, of_description<&bind<Quad>>};
   record.name = "lattice_substrate";
   record.summary = "a crystalline surface that each particle feels";
   record.equation =

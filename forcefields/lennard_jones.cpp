@@ -191,8 +191,7 @@ ForceRecord lennard_jones_record() {
   record.most_bodies = 2;
   record.complaints = of_description<&complaints>;
   record.length = of_description<&length_of_entries>;
-  record.bind = {of_description<&bind<double>>, of_description<&bind<float>>,
-                 of_description<&bind<Quad>>};
+  record.bind = {of_description<&bind<double>>, of_description<&bind<Quad>>};
   record.parameters = {
       parameter("epsilon", &Description::epsilon, dimension::energy, "depth of the well")
           .in(non_negative)

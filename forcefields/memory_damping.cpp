@@ -185,8 +185,7 @@ ForceRecord memory_damping_record() {
           .in(non_negative)
           .by_default(0.0)};
   record.traits_of = of_description<&traits_of_memory>;
-  record.bind = {of_description<&bind_memory<double>>, of_description<&bind_memory<float>>,
-                 of_description<&bind_memory<Quad>>};
+  record.bind = {of_description<&bind_memory<double>>, of_description<&bind_memory<Quad>>};
   record.example = R"(# A particle that coasts to rest overshoots: the memory pulls it back.
 [[body]]
 type = "point"

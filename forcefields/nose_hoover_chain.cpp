@@ -133,8 +133,7 @@ ForceRecord nose_hoover_chain_record() {
                 "stiff systems")
           .in({.low = 1.0, .high = 100.0, .low_open = false, .high_open = false})
           .by_default(std::int64_t{3})};
-  record.bind = {of_description<&bind_chain<double>>, of_description<&bind_chain<float>>,
-                 of_description<&bind_chain<Quad>>};
+  record.bind = {of_description<&bind_chain<double>>, of_description<&bind_chain<Quad>>};
   record.example = R"(# A chain over a corrugation is dragged, and kept at a temperature.
 [[body]]
 type = "chain"

@@ -6,7 +6,6 @@
 #include "framework/core/numbers/math.hpp"
 #include "framework/core/numbers/number_types.hpp"
 #include "framework/core/records/registry.hpp"
-#include "framework/core/system/compensated.hpp"
 #include "framework/core/system/flow.hpp"
 #include "framework/core/system/kernel_arguments.hpp"
 #include "framework/core/system/stage.hpp"
@@ -88,9 +87,7 @@ inline namespace TOMLIN_TARGET {
 struct NoseHooverChain {
   /// Terms of a series at most: a step is shortened where they do not suffice.
   template <class Real>
-  static constexpr int kTerms = sizeof(Real) == sizeof(float) ? 12
-                                : sizeof(Real) == 8           ? 24
-                                                              : 48;
+  static constexpr int kTerms = sizeof(Real) == sizeof(double) ? 24 : 48;
   /// Of a flow: of velocities so far beyond the temperature it is no sensible thermostat.
   static constexpr int kMostSteps = 100000;
 
@@ -134,9 +131,7 @@ struct NoseHooverChain {
     for (std::size_t k = 2; k <= a.links; ++k) fastest = max(fastest, abs(row(k)[0]));
     Real h = min(left, Real(1.0) / fastest);
 
-    constexpr Real rounding = Real(sizeof(Real) == sizeof(float) ? 0x1p-26
-                                   : sizeof(Real) == 8           ? 0x1p-55
-                                                                 : 0x1p-115);
+    constexpr Real rounding = Real(sizeof(Real) == sizeof(double) ? 0x1p-55 : 0x1p-115);
     const Real small = Real(1.0) / root;  // of what fluctuates with all velocities
     const auto counts = [&](int n) {
       for (std::size_t j = 0; j < rows; ++j) {
@@ -227,20 +222,15 @@ struct NoseHooverChain {
   TOMLIN_FLATTEN static Real flow(const void* arguments, const FlowStage<Real>& stage, Real h) {
     using Group = Packed<Real>;
     const auto a = *static_cast<const NoseHooverArguments<Real>*>(arguments);
-    const Group none(Real(0.0));
     Real* v = stage.velocity + a.first;
-    Real* rest = stage.velocity_rest == nullptr ? nullptr : stage.velocity_rest + a.first;
     const Real kinetic = twice_kinetic<Real>(a.length, a.mass, v);
     const Group change(advance(a, kinetic, stage.own, h));
-    Group heat = none;
+    Group heat(Real(0.0));
     for (std::size_t i = 0; i < a.length; i += kGroup) {
       const Group before = Group::load(v + i);
-      const Group rest_before = rest == nullptr ? none : Group::load(rest + i);
-      add_scaled(v, rest, i, change, before);
-      const Group after = Group::load(v + i);
-      const Group lost =
-          (before - after) + (rest_before - (rest == nullptr ? none : Group::load(rest + i)));
-      heat += Group(Real(0.5)) * Group::load(a.mass + i) * lost * (before + after);
+      const Group after = fma(change, before, before);
+      after.store(v + i);
+      heat += Group(Real(0.5)) * Group::load(a.mass + i) * (before - after) * (before + after);
     }
     return sum(heat);
   }

@@ -230,8 +230,7 @@ ForceRecord sheet_field_record() {
   record.fewest_bodies = 2;
   record.most_bodies = 2;
   record.complaints = of_description<&complaints>;
-  record.bind = {of_description<&bind<double>>, of_description<&bind<float>>,
-                 of_description<&bind<Quad>>};
+  record.bind = {of_description<&bind<double>>, of_description<&bind<Quad>>};
   record.parameters = {
       parameter_of<Description>("epsilon", &LennardJonesDescription::epsilon, dimension::energy,
                                 "depth of the well of a pair")

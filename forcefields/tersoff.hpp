@@ -229,8 +229,7 @@ struct Tersoff {
     return {squared * inverse * p.ratio + p.gamma, part * inverse * apart * N(Scalar<N>(-2.0))};
   }
 
-  /// The factor of a difference of two distances in zeta. Exponents end where LAMMPS ends them,
-  /// short of numbers that cannot be represented in float.
+  /// The factor of a difference of two distances in zeta. Exponents end where LAMMPS ends them.
   template <class N, class T>
   static Sloped<T> weight(const Parameters<N>& p, const T& difference) {
     const T x = difference * p.lambda3;

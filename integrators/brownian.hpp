@@ -193,8 +193,7 @@ IntegratorRecord brownian_record() {
   if (Scheme::noise == BrownianNoise::of_the_step) record.variance_error = &euler_variance_error;
   record.step = [](const void* d) { return static_cast<const Description*>(d)->dt; };
   record.complaints = [](const void*) { return std::vector<Complaint>(); };
-  record.bind = {&bind_brownian<Scheme, double>, &bind_brownian<Scheme, float>,
-                 &bind_brownian<Scheme, Quad>};
+  record.bind = {&bind_brownian<Scheme, double>, &bind_brownian<Scheme, Quad>};
   record.example =
       std::string(R"(# A particle without inertia drifts over a corrugation in a thermal bath.
 [[body]]

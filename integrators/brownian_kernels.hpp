@@ -4,7 +4,6 @@
 #include <cstdint>
 
 #include "framework/core/numbers/number_types.hpp"
-#include "framework/core/system/compensated.hpp"
 #include "framework/core/system/evaluate.hpp"
 #include "framework/core/system/system.hpp"
 
@@ -99,17 +98,18 @@ struct BrownianKernels {
       if (s.noise_count > 0) {
         along = fma(Group::load(s.friction + i) * (before + after), move, along);
       }
-      add_move(s.position, s.position_rest, i, move);
+      (Group::load(s.position + i) + move).store(s.position + i);
       after.store(w.slope + i);
       after.store(s.velocity + i);
     }
     for (std::size_t i = 0; i < s.rates; i += kGroup) {
       const Group rates = Group::load(w.rates + i) + Group::load(w.end_rates + i);
-      add_scaled(s.integrals, s.integrals_rest, i, Group(half), rates);
+      fma(Group(half), rates, Group::load(s.integrals + i)).store(s.integrals + i);
     }
     if (s.noise_count > 0 && s.friction_rate != kNoRate) {
       const Real by_rates = half * (w.rates[s.friction_rate] + w.end_rates[s.friction_rate]);
-      add_one(s.integrals, s.integrals_rest, s.friction_rate, Real(0.5) * sum(along) - by_rates);
+      Real& heat = s.integrals[s.friction_rate];
+      heat = heat + (Real(0.5) * sum(along) - by_rates);
     }
     return true;
   }

@@ -44,7 +44,7 @@ class Composition : public Integrator<Real> {
     const std::size_t n = system.view.dofs;
     const std::size_t m = system.view.rates;
     const std::size_t kinetic = system.view.kinetic_count;
-    memory_.assign(6 * (n + kGap) + 7 * (m + kGap) + kinetic + kGap, Real(0.0));
+    memory_.assign(5 * (n + kGap) + 7 * (m + kGap) + kinetic + kGap, Real(0.0));
     Real* next = memory_.data();
     const auto take = [&next](std::size_t count) {
       return std::exchange(next, next + count + kGap);
@@ -53,8 +53,6 @@ class Composition : public Integrator<Real> {
     arrays_.position = take(n);
     arrays_.velocity = take(n);
     acceleration_ = take(n);
-    Real* rest = take(n);
-    if (kCompensated<Real>) arrays_.velocity_rest = rest;
     arrays_.end_rates = take(m);
     arrays_.stage_rates = take(m);
     arrays_.inner_rates = take(m);
@@ -211,7 +209,7 @@ IntegratorRecord composition_record() {
   record.step = [](const void* d) { return static_cast<const Description*>(d)->dt; };
   record.complaints = [](const void*) { return std::vector<Complaint>(); };
   record.bind = {&bind_composition<Scheme, tables, double>,
-                 &bind_composition<Scheme, tables, float>, &bind_composition<Scheme, tables, Quad>};
+                 &bind_composition<Scheme, tables, Quad>};
   return record;
 }
 

@@ -4,7 +4,6 @@
 #include <cstdint>
 
 #include "framework/core/numbers/number_types.hpp"
-#include "framework/core/system/compensated.hpp"
 #include "framework/core/system/evaluate.hpp"
 #include "framework/core/system/system.hpp"
 
@@ -21,7 +20,6 @@ struct CompositionArrays {
   Real* move = nullptr;         ///< since the start of the step that is tried
   Real* position = nullptr;     ///< after it
   Real* velocity = nullptr;
-  Real* velocity_rest = nullptr;     ///< null unless compensated
   Real* own = nullptr;               ///< own variables at a stage
   Real* own_after = nullptr;         ///< those that operators change, after the last of their flows
   Real* half_step_energy = nullptr;  ///< kinetic, of each KineticIntegral; in lanes, of each lane
@@ -56,12 +54,11 @@ template <class Scheme>
 struct CompositionKernels {
   /// v <- v + h a.
   template <class Real>
-  TOMLIN_INLINE static void kick(const SystemView<Real>& s, const Real* force, Real h, Real* v,
-                                 Real* v_rest) {
+  TOMLIN_INLINE static void kick(const SystemView<Real>& s, const Real* force, Real h, Real* v) {
     using Group = Packed<Real>;
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
       const Group a = Group::load(force + i) * Group::load(s.inverse_mass + i);
-      add_scaled(v, v_rest, i, Group(h), a);
+      fma(Group(h), a, Group::load(v + i)).store(v + i);
     }
   }
 
@@ -74,7 +71,6 @@ struct CompositionKernels {
     stage.position = s.position;
     stage.inverse_mass = s.inverse_mass;
     stage.velocity = w.velocity;
-    stage.velocity_rest = w.velocity_rest;
     stage.own = w.own_after;
     stage.step = w.step;
     stage.part = part;
@@ -158,10 +154,10 @@ struct CompositionKernels {
     for (std::size_t i = 0; i < s.rates; i += kGroup) {
       const Group rates = Group::load(w.rates + i) + Group::load(w.end_rates + i);
       if constexpr (Scheme::drifts == 1) {
-        add_scaled(s.integrals, s.integrals_rest, i, outer, rates);
+        fma(outer, rates, Group::load(s.integrals + i)).store(s.integrals + i);
       } else {
         const Group inner = Group(h) * Group::load(w.inner_rates + i);
-        add_scaled(s.integrals, s.integrals_rest, i, Group(Real(1.0)), fma(outer, rates, inner));
+        (Group::load(s.integrals + i) + fma(outer, rates, inner)).store(s.integrals + i);
       }
     }
   }
@@ -180,31 +176,31 @@ struct CompositionKernels {
     constexpr int last = Scheme::drifts - 1;
 
     copy<Real>(s.velocity, s.dofs, w.velocity);
-    if (kCompensated<Real>) copy<Real>(s.velocity_rest, s.dofs, w.velocity_rest);
     copy<Real>(s.integrals, s.own, w.own_after);
     Real heat = half_flow<Real>(s, w, 0, half);
-    kick<Real>(s, w.force, outer, w.velocity, w.velocity_rest);
+    kick<Real>(s, w.force, outer, w.velocity);
     for (int k = 0; k < last; ++k) {
       if (!drift(s, w, k, h)) return false;
       const Real elapsed = since + h * Scheme::template time<Real>[k];
       if (!stage(s, w, w.stage_rates, elapsed)) return false;
       keep_rates(s, w, k + 1);
-      kick<Real>(s, s.force, h * Scheme::template kick<Real>[k + 1], w.velocity, w.velocity_rest);
+      kick<Real>(s, s.force, h * Scheme::template kick<Real>[k + 1], w.velocity);
     }
     if (!drift(s, w, last, h)) return false;
     if (!stage(s, w, w.end_rates, since + h)) return false;
 
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
-      add_move(s.position, s.position_rest, i, Group::load(w.move + i));
+      (Group::load(s.position + i) + Group::load(w.move + i)).store(s.position + i);
     }
     copy<Real>(s.force, s.dofs, w.force);
-    kick<Real>(s, w.force, outer, w.velocity, w.velocity_rest);
+    kick<Real>(s, w.force, outer, w.velocity);
     heat = heat + half_flow<Real>(s, w, 1, half);
     copy<Real>(w.velocity, s.dofs, s.velocity);
-    if (kCompensated<Real>) copy<Real>(w.velocity_rest, s.dofs, s.velocity_rest);
     copy<Real>(w.own_after, s.own, s.integrals);
     add_integrals(s, w, h);
-    if (s.friction_rate != kNoRate) add_one(s.integrals, s.integrals_rest, s.friction_rate, heat);
+    if (s.friction_rate != kNoRate) {
+      s.integrals[s.friction_rate] = s.integrals[s.friction_rate] + heat;
+    }
     return true;
   }
 

@@ -61,7 +61,7 @@ IntegratorRecord dop853_record() {
   record.evaluations_per_step = Tableau::end;
   describe_adaptive(record, 1e-9);
   record.growth = &growth;
-  record.bind = {&bind<double>, &bind<float>, &bind<Quad>};
+  record.bind = {&bind<double>, &bind<Quad>};
   record.adaptive_lanes = &lanes;
   record.example = R"(# A tip that sticks and slips, to twelve digits.
 [[body]]

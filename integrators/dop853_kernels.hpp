@@ -283,8 +283,8 @@ struct Dop853Kernels : EmbeddedKernels<Dop853Tableau> {
 
     template <class Real>
     TOMLIN_INLINE Polynomial(const EmbeddedStep<Real>& s, std::size_t i) {
-      start = observed(s.start, s.start_rest, i);
-      const double change = observed(s.end, s.end_rest, i) - start;
+      start = static_cast<double>(s.start[i]);
+      const double change = static_cast<double>(s.end[i]) - start;
       part[0] = change;
       part[1] = s.length * static_cast<double>(s.slope[0][i]) - change;
       part[2] = change - s.length * static_cast<double>(s.slope[kEnd][i]) - part[1];
@@ -319,7 +319,7 @@ struct Dop853Kernels : EmbeddedKernels<Dop853Tableau> {
       double value = 0.0;
       double slope = 0.0;
       within.at(theta, value, slope);
-      y[i] = theta == 1.0 ? observed(s.end, s.end_rest, i) : within.start + value;
+      y[i] = theta == 1.0 ? static_cast<double>(s.end[i]) : within.start + value;
     }
   }
 

@@ -53,7 +53,7 @@ IntegratorRecord dopri5_record() {
   record.evaluations_per_step = Dopri5Tableau::end;
   describe_adaptive(record, 1e-9);
   record.growth = &growth;
-  record.bind = {&bind<double>, &bind<float>, &bind<Quad>};
+  record.bind = {&bind<double>, &bind<Quad>};
   record.adaptive_lanes = &lanes;
   record.example = R"(# A tip that sticks and slips.
 [[body]]

@@ -49,8 +49,8 @@ struct Dopri5Kernels : EmbeddedKernels<Dopri5Tableau> {
     const EmbeddedStep<Real> s = step;
     const double rest = 1.0 - theta;
     for (std::size_t i = 0; i < s.count; ++i) {
-      const double y0 = observed(s.start, s.start_rest, i);
-      const double y1 = observed(s.end, s.end_rest, i);
+      const auto y0 = static_cast<double>(s.start[i]);
+      const auto y1 = static_cast<double>(s.end[i]);
       const double change = y1 - y0;
       const double bend = s.length * static_cast<double>(s.slope[0][i]) - change;
       const double twist = change - s.length * static_cast<double>(s.slope[6][i]) - bend;
@@ -69,7 +69,7 @@ struct Dopri5Kernels : EmbeddedKernels<Dopri5Tableau> {
     const double twisting = theta * (2.0 - 3.0 * theta);
     const double quartic = 2.0 * theta * rest * (rest - theta);
     for (std::size_t i = 0; i < s.count; ++i) {
-      const double change = observed(s.end, s.end_rest, i) - observed(s.start, s.start_rest, i);
+      const double change = static_cast<double>(s.end[i]) - static_cast<double>(s.start[i]);
       const double bend = s.length * static_cast<double>(s.slope[0][i]) - change;
       const double twist = change - s.length * static_cast<double>(s.slope[6][i]) - bend;
       slope[i] = (change + bending * bend + twisting * twist +

@@ -62,7 +62,7 @@ class EmbeddedPair : public Integrator<Real> {
     const std::size_t n = system.view.dofs;
     const std::size_t m = system.view.rates;
     const auto slopes = static_cast<std::size_t>(slopes_);
-    memory_.assign((2 * slopes + 7) * (n + kGap) + (slopes + 6) * (m + kGap), Real(0.0));
+    memory_.assign((2 * slopes + 4) * (n + kGap) + (slopes + 4) * (m + kGap), Real(0.0));
     Real* next = memory_.data();
     const auto take = [&next](std::size_t count) {
       return std::exchange(next, next + count + kGap);
@@ -76,13 +76,6 @@ class EmbeddedPair : public Integrator<Real> {
     start_acceleration_ = take(n);
     start_integrals_ = take(m);
     start_rates_ = take(m);
-    if (kCompensated<Real>) {
-      arrays_.position_rest = take(n);
-      arrays_.velocity_rest = take(n);
-      arrays_.integrals_rest = take(m);
-      start_position_rest_ = take(n);
-      start_integrals_rest_ = take(m);
-    }
   }
 
   void declare(StateLayout& layout) override {
@@ -235,13 +228,6 @@ class EmbeddedPair : public Integrator<Real> {
     copy(arrays_.integrals, s.rates, s.integrals);
     copy(arrays_.acceleration[end_], s.dofs, arrays_.acceleration[0]);
     copy(arrays_.rates[end_], s.rates, arrays_.rates[0]);
-    if (kCompensated<Real>) {
-      copy(s.position_rest, s.dofs, start_position_rest_);
-      copy(s.integrals_rest, s.rates, start_integrals_rest_);
-      copy(arrays_.position_rest, s.dofs, s.position_rest);
-      if (s.inertial) copy(arrays_.velocity_rest, s.dofs, s.velocity_rest);
-      copy(arrays_.integrals_rest, s.rates, s.integrals_rest);
-    }
     last_ = h;
     extra_known_ = false;
   }
@@ -254,16 +240,14 @@ class EmbeddedPair : public Integrator<Real> {
 
   EmbeddedStep<Real> positions() const {
     const SystemView<Real>& s = system_.view;
-    EmbeddedStep<Real> step = {
-        last_, s.dofs, start_position_, start_position_rest_, s.position, s.position_rest, {}};
+    EmbeddedStep<Real> step = {last_, s.dofs, start_position_, s.position, {}};
     for (int j = 0; j < slopes_; ++j) step.slope[j] = arrays_.velocity[j];
     return step;
   }
 
   EmbeddedStep<Real> velocities() const {
     const SystemView<Real>& s = system_.view;
-    EmbeddedStep<Real> step = {last_,           s.dofs, arrays_.velocity[0], nullptr, s.velocity,
-                               s.velocity_rest, {}};
+    EmbeddedStep<Real> step = {last_, s.dofs, arrays_.velocity[0], s.velocity, {}};
     for (int j = 1; j < slopes_; ++j) step.slope[j] = arrays_.acceleration[j];
     step.slope[0] = start_acceleration_;
     step.slope[end_] = arrays_.acceleration[0];
@@ -272,8 +256,7 @@ class EmbeddedPair : public Integrator<Real> {
 
   EmbeddedStep<Real> integrals_of_step(std::size_t count) const {
     const SystemView<Real>& s = system_.view;
-    EmbeddedStep<Real> step = {
-        last_, count, start_integrals_, start_integrals_rest_, s.integrals, s.integrals_rest, {}};
+    EmbeddedStep<Real> step = {last_, count, start_integrals_, s.integrals, {}};
     for (int j = 1; j < slopes_; ++j) step.slope[j] = arrays_.rates[j];
     step.slope[0] = start_rates_;
     step.slope[end_] = arrays_.rates[0];
@@ -306,8 +289,6 @@ class EmbeddedPair : public Integrator<Real> {
   Real* start_acceleration_ = nullptr;
   Real* start_integrals_ = nullptr;
   Real* start_rates_ = nullptr;
-  Real* start_position_rest_ = nullptr;
-  Real* start_integrals_rest_ = nullptr;
   double last_ = 0.0;
   bool extra_known_ = false;
 };

@@ -5,7 +5,6 @@
 
 #include "framework/core/numbers/math.hpp"
 #include "framework/core/numbers/number_types.hpp"
-#include "framework/core/system/compensated.hpp"
 #include "framework/core/system/evaluate.hpp"
 #include "framework/core/system/system.hpp"
 #include "framework/core/system/tolerance.hpp"
@@ -25,10 +24,6 @@ struct EmbeddedArrays {
   Real* rates[kMostSlopes] = {};
   Real* position = nullptr;   ///< of the stage, at the end of the step the new one
   Real* integrals = nullptr;  ///< the same for integrals (own variables at stages)
-  // What the new numbers lack, where that is kept (compensated.hpp).
-  Real* position_rest = nullptr;
-  Real* velocity_rest = nullptr;
-  Real* integrals_rest = nullptr;
 };
 
 struct EmbeddedTrial {
@@ -38,15 +33,13 @@ struct EmbeddedTrial {
 };
 
 /// One kind of numbers over the last step: where they started, where they are, and the slopes of
-/// all stages; with the rests, where those are kept.
+/// all stages.
 template <class Real>
 struct EmbeddedStep {
   double length = 0.0;
   std::size_t count = 0;
   const Real* start = nullptr;
-  const Real* start_rest = nullptr;
   const Real* end = nullptr;
-  const Real* end_rest = nullptr;
   const Real* slope[kMostSlopes] = {};
 };
 
@@ -209,39 +202,21 @@ struct EmbeddedKernels {
     }
   }
 
-  /// start + change, and at the end of the step what the sum leaves out, where that is kept.
-  template <bool ends, class Real>
-  TOMLIN_INLINE static void put_sum(const Real* start, const Real* start_rest,
-                                    const Packed<Real>& change, std::size_t i, Real* result,
-                                    Real* result_rest) {
-    using Group = Packed<Real>;
-    if constexpr (ends && kCompensated<Real>) {
-      Group::load(start + i).store(result + i);
-      Group::load(start_rest + i).store(result_rest + i);
-      add_move(result, result_rest, i, change);
-    } else {
-      (Group::load(start + i) + change).store(result + i);
-    }
-  }
-
   /// The state at a stage.
   template <int stage, bool inertial, class Real>
   TOMLIN_INLINE static void put_stage(const SystemView<Real>& s, const EmbeddedArrays<Real>& w,
                                       Real h) {
-    constexpr bool ends = stage == kEnd;
+    using Group = Packed<Real>;
     const Combination<StageRow<stage>, stage, Real> combined(h);
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
-      put_sum<ends, Real>(s.position, s.position_rest, combined.of(w.velocity, i), i, w.position,
-                          w.position_rest);
+      (Group::load(s.position + i) + combined.of(w.velocity, i)).store(w.position + i);
       if constexpr (inertial) {
-        put_sum<ends, Real>(s.velocity, s.velocity_rest, combined.of(w.acceleration, i), i,
-                            w.velocity[stage], w.velocity_rest);
+        (Group::load(s.velocity + i) + combined.of(w.acceleration, i)).store(w.velocity[stage] + i);
       }
     }
-    const std::size_t needed = ends ? s.rates : s.own;
+    const std::size_t needed = stage == kEnd ? s.rates : s.own;
     for (std::size_t i = 0; i < needed; i += kGroup) {
-      put_sum<ends, Real>(s.integrals, s.integrals_rest, combined.of(w.rates, i), i, w.integrals,
-                          w.integrals_rest);
+      (Group::load(s.integrals + i) + combined.of(w.rates, i)).store(w.integrals + i);
     }
   }
 
@@ -397,7 +372,7 @@ struct EmbeddedKernels {
   TOMLIN_INLINE static void put_stage_in_lanes(const SystemView<double>& s,
                                                const EmbeddedArrays<double>& w,
                                                const EmbeddedLanes& l) {
-    constexpr bool ends = stage == kEnd;
+    using Group = Packed<Real>;
     for (std::size_t lane = 0; lane < l.width; lane += kGroup) {
       const Combination<StageRow<stage>, stage, double> combined(Pack::load(l.step + lane));
       for (std::size_t k = 0; k < l.coordinates; ++k) {
@@ -566,12 +541,6 @@ struct EmbeddedKernels {
       table.accept_in_lanes = &accept_in_lanes;
     }
     return table;
-  }
-
-  template <class Real>
-  TOMLIN_INLINE static double observed(const Real* x, const Real* rest, std::size_t i) {
-    return rest ? static_cast<double>(x[i]) + static_cast<double>(rest[i])
-                : static_cast<double>(x[i]);
   }
 };
 

@@ -267,7 +267,7 @@ IntegratorRecord fixed_step_record() {
   record.step = [](const void* d) { return static_cast<const Description*>(d)->dt; };
   record.complaints = [](const void*) { return std::vector<Complaint>(); };
   record.bind = {&bind_fixed_step<Tableau, tables, double>,
-                 &bind_fixed_step<Tableau, tables, float>, &bind_fixed_step<Tableau, tables, Quad>};
+                 &bind_fixed_step<Tableau, tables, Quad>};
   return record;
 }
 

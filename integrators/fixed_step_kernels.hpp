@@ -4,7 +4,6 @@
 #include <type_traits>
 
 #include "framework/core/numbers/number_types.hpp"
-#include "framework/core/system/compensated.hpp"
 #include "framework/core/system/evaluate.hpp"
 #include "framework/core/system/lane_block.hpp"
 #include "framework/core/system/system.hpp"
@@ -133,9 +132,9 @@ struct FixedStepKernels {
     }
     if (!all(sound)) return false;
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
-      add_move(s.position, s.position_rest, i, Group::load(w.stage_position + i));
-      add_scaled(s.velocity, s.velocity_rest, i, Group(steps.slope),
-                 Group::load(w.stage_velocity + i));
+      (Group::load(s.position + i) + Group::load(w.stage_position + i)).store(s.position + i);
+      fma(Group(steps.slope), Group::load(w.stage_velocity + i), Group::load(s.velocity + i))
+          .store(s.velocity + i);
     }
     add_integrals(s, w, steps.slope);
     return true;
@@ -164,7 +163,7 @@ struct FixedStepKernels {
     }
     if (!all(sound)) return false;
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
-      add_move(s.position, s.position_rest, i, Group::load(w.stage_position + i));
+      (Group::load(s.position + i) + Group::load(w.stage_position + i)).store(s.position + i);
     }
     add_integrals(s, w, steps.slope);
     at_state(s, w.rates[0], since + steps.time);
@@ -334,9 +333,10 @@ struct FixedStepKernels {
   template <class Real>
   TOMLIN_INLINE static void add_integrals(const SystemView<Real>& s, const FixedStepArrays<Real>& w,
                                           Real step) {
+    using Group = Packed<Real>;
     for (std::size_t i = 0; i < s.rates; i += kGroup) {
-      add_scaled(s.integrals, s.integrals_rest, i, Packed<Real>(step),
-                 Row<kStages>::of(rates_at(w, i)));
+      fma(Group(step), Row<kStages>::of(rates_at(w, i)), Group::load(s.integrals + i))
+          .store(s.integrals + i);
     }
   }
 

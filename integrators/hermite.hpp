@@ -9,13 +9,6 @@
 
 namespace tomlin {
 
-/// A number of the state as a double, with its rest where it has one.
-template <class Real>
-double observed(const Real* x, const Real* rest, std::size_t i) {
-  const auto value = static_cast<double>(x[i]);
-  return rest == nullptr ? value : value + static_cast<double>(rest[i]);
-}
-
 /// Dense output of schemes without one of their own: the cubic through value and slope at both
 /// ends of a step, for positions, velocities and running integrals alike. Error O(h^4); without
 /// inertia velocities are the slope of the positions' cubic, error O(h^3).
@@ -30,15 +23,15 @@ class HermiteOutput {
         rates_(rates, 0.0) {}
 
   void keep_start(const SystemView<Real>& s) {
-    copy(s.position, s.position_rest, position_);
-    copy(s.velocity, s.velocity_rest, velocity_);
-    copy(s.integrals, s.integrals_rest, integrals_);
+    copy(s.position, position_);
+    copy(s.velocity, velocity_);
+    copy(s.integrals, integrals_);
   }
 
   /// Slopes at the start, before the arrays are used for the end.
   void keep_first(const Real* acceleration, const Real* rates) {
-    copy<Real>(acceleration, nullptr, acceleration_);
-    copy<Real>(rates, nullptr, rates_);
+    copy(acceleration, acceleration_);
+    copy(rates, rates_);
   }
 
   const double* start_position() const { return position_.data(); }
@@ -47,36 +40,32 @@ class HermiteOutput {
   void interpolate(double theta, double h, const SystemView<Real>& end,
                    const Real* end_acceleration, const Real* end_rates, double* position,
                    double* velocity, double* integrals) const {
-    cubic(theta, h, position_, velocity_, end.position, end.position_rest, end.velocity, position);
+    cubic(theta, h, position_, velocity_, end.position, end.velocity, position);
     if (end.inertial) {
-      cubic(theta, h, velocity_, acceleration_, end.velocity, end.velocity_rest, end_acceleration,
-            velocity);
+      cubic(theta, h, velocity_, acceleration_, end.velocity, end_acceleration, velocity);
     } else {
-      slope(theta, h, position_, velocity_, end.position, end.position_rest, end.velocity,
-            velocity);
+      slope(theta, h, position_, velocity_, end.position, end.velocity, velocity);
     }
-    cubic(theta, h, integrals_, rates_, end.integrals, end.integrals_rest, end_rates, integrals);
+    cubic(theta, h, integrals_, rates_, end.integrals, end_rates, integrals);
     if (end.friction_rate == kNoRate || theta == 1.0) return;
     const auto heat = static_cast<std::size_t>(end.friction_rate);
-    integrals[heat] =
-        heat_at(theta, integrals_[heat], observed(end.integrals, end.integrals_rest, heat),
-                h * rates_[heat], h * static_cast<double>(end_rates[heat]));
+    integrals[heat] = heat_at(theta, integrals_[heat], static_cast<double>(end.integrals[heat]),
+                              h * rates_[heat], h * static_cast<double>(end_rates[heat]));
   }
 
  private:
   using Numbers = AlignedVector<double>;
 
-  template <class From>
-  static void copy(const From* from, const From* rest, Numbers& to) {
-    for (std::size_t i = 0; i < to.size(); ++i) to[i] = observed(from, rest, i);
+  static void copy(const Real* from, Numbers& to) {
+    for (std::size_t i = 0; i < to.size(); ++i) to[i] = static_cast<double>(from[i]);
   }
 
   /// y(theta) = y0 + theta (dy + (1 - theta) ((h y0' - dy) (1 - theta) - (h y1' - dy) theta)).
   static void cubic(double theta, double h, const Numbers& y0, const Numbers& slope0,
-                    const Real* y1, const Real* rest1, const Real* slope1, double* y) {
+                    const Real* y1, const Real* slope1, double* y) {
     const double rest = 1.0 - theta;
     for (std::size_t i = 0; i < y0.size(); ++i) {
-      const double end = observed(y1, rest1, i);
+      const auto end = static_cast<double>(y1[i]);
       const double change = end - y0[i];
       const double bend =
           rest * (h * slope0[i] - change) - theta * (h * static_cast<double>(slope1[i]) - change);
@@ -86,10 +75,10 @@ class HermiteOutput {
 
   /// Its derivative with respect to time.
   static void slope(double theta, double h, const Numbers& y0, const Numbers& slope0,
-                    const Real* y1, const Real* rest1, const Real* slope1, double* y) {
+                    const Real* y1, const Real* slope1, double* y) {
     const double rest = 1.0 - theta;
     for (std::size_t i = 0; i < y0.size(); ++i) {
-      const double mean = (observed(y1, rest1, i) - y0[i]) / h;
+      const double mean = (static_cast<double>(y1[i]) - y0[i]) / h;
       const auto last = static_cast<double>(slope1[i]);
       const double along = rest * (slope0[i] - mean) * (1.0 - 3.0 * theta) -
                            theta * (last - mean) * (2.0 - 3.0 * theta);

@@ -91,7 +91,7 @@ struct LangevinKernels : CompositionKernels<VerletScheme> {
         }
       }
       if (w.lanes > 0) continue;
-      add_one(s.integrals, s.integrals_rest, rate, h * w.half_step_energy[k]);
+      s.integrals[rate] = s.integrals[rate] + h * w.half_step_energy[k];
     }
   }
 
@@ -106,15 +106,13 @@ struct LangevinKernels : CompositionKernels<VerletScheme> {
     const Real half = Real(0.5) * h;
 
     Verlet::copy<Real>(s.velocity, s.dofs, w.velocity);
-    if (kCompensated<Real>) Verlet::copy<Real>(s.velocity_rest, s.dofs, w.velocity_rest);
     Verlet::copy<Real>(s.integrals, s.own, w.own_after);
-    Verlet::kick<Real>(s, w.force, half, w.velocity, w.velocity_rest);
+    Verlet::kick<Real>(s, w.force, half, w.velocity);
     if (!move(s, w, half, true)) return false;
     FlowStage<Real> middle;
     middle.position = w.position;
     middle.inverse_mass = s.inverse_mass;
     middle.velocity = w.velocity;
-    middle.velocity_rest = w.velocity_rest;
     middle.own = w.own_after;
     middle.step = w.step;
     middle.heat = s.friction_rate != kNoRate;
@@ -138,15 +136,16 @@ struct LangevinKernels : CompositionKernels<VerletScheme> {
     if (!Verlet::stage(s, w, w.end_rates, Real(start) + h)) return false;
 
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
-      add_move(s.position, s.position_rest, i, Group::load(w.move + i));
+      (Group::load(s.position + i) + Group::load(w.move + i)).store(s.position + i);
     }
     Verlet::copy<Real>(s.force, s.dofs, w.force);
-    Verlet::kick<Real>(s, w.force, half, w.velocity, w.velocity_rest);
+    Verlet::kick<Real>(s, w.force, half, w.velocity);
     Verlet::copy<Real>(w.velocity, s.dofs, s.velocity);
-    if (kCompensated<Real>) Verlet::copy<Real>(w.velocity_rest, s.dofs, s.velocity_rest);
     Verlet::copy<Real>(w.own_after, s.own, s.integrals);
     Verlet::add_integrals(s, w, h);
-    if (s.friction_rate != kNoRate) add_one(s.integrals, s.integrals_rest, s.friction_rate, heat);
+    if (s.friction_rate != kNoRate) {
+      s.integrals[s.friction_rate] = s.integrals[s.friction_rate] + heat;
+    }
     add_energies(s, w, h);
     return true;
   }

@@ -64,7 +64,6 @@ class ModalBody {
   void prepare(double h);
   void place_frame(const double* position);
   void to_frame(const double* from, Vector& to) const;
-  void add_from_frame(const Vector& from, double* to) const;
   void turn(Vector& x, double sine, double cosine) const;
   void to_modes(const Vector& x, Vector& q) const;
   void from_modes(const Vector& q, Vector& x) const;

@@ -1,7 +1,6 @@
 #include "framework/cli/command_line.hpp"
 
 #include <algorithm>
-#include <array>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -21,16 +20,6 @@ namespace tomlin {
 namespace {
 
 constexpr const char* kVersion = "tomlin " TOMLIN_VERSION;
-
-struct LaterCommand {
-  const char* name;
-  const char* what;
-};
-
-constexpr std::array kLaterCommands = {
-    LaterCommand{"stability", "thresholds and equilibria"},
-    LaterCommand{"report", "a web page of a run"},
-};
 
 constexpr const char* kProgramFooter = R"(
 A first run. Write this to pt.toml, the Prandtl-Tomlinson model:
@@ -119,17 +108,10 @@ std::string all_commands() {
   return fmt::format("{}; tomlin --help tells more", fmt::join(names_of(commands()), ", "));
 }
 
-/// The command must be one of ours. Those to come take any arguments.
+/// Refuses a word that is no command.
 void check_word(std::string_view word) {
-  std::vector<std::string> names = names_of(commands());
+  const std::vector<std::string> names = names_of(commands());
   if (std::find(names.begin(), names.end(), word) != names.end()) return;
-  for (const LaterCommand& later : kLaterCommands) {
-    if (word == later.name) {
-      refuse_command(FaultCode::command_not_in_this_version,
-                     fmt::format("\"{}\" is not in this version", word));
-    }
-    names.emplace_back(later.name);
-  }
   refuse_command(FaultCode::command_unknown, fmt::format("there is no command \"{}\"", word),
                  all_commands(), nearest_name(word, names).value_or(""));
 }
@@ -155,9 +137,6 @@ class CommandLine {
       CLI::App* parser = app_.add_subcommand(record.name, record.summary);
       parser->footer(record.footer);
       declared_.emplace_back(parser, record.declare(*parser));
-    }
-    for (const LaterCommand& later : kLaterCommands) {
-      app_.add_subcommand(later.name, later.what)->group("Later, not in this version");
     }
   }
 

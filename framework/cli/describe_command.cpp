@@ -131,15 +131,11 @@ std::vector<std::string> takers_of(const std::string& key, const std::vector<Des
     if (name.find('.') != std::string::npos) names.emplace_back(kind.id);
   }
   const auto takers = takers_of(name, all, tables);
-  const ReservedKey* planned = planned_word(name);
   Fault fault(FaultCode::scene_unknown_component);
   fault.place.file = "tomlin";
   if (!takers.empty()) {
     fault.why = fmt::format("\"{}\" is a key of {}", name, listed(takers));
     fault.admissible = "one of these names";
-  } else if (planned != nullptr) {
-    fault.code = FaultCode::scene_not_in_this_version;
-    fault.why = fmt::format("\"{}\" is {}", name, not_in_this_version(*planned));
   } else {
     fault.why = fmt::format("there is no component \"{}\"", name);
     fault.admissible = listed(names);
@@ -216,20 +212,10 @@ void append_own_keys(std::string& text, const std::string& title, const std::vec
   for (const OwnKey& own : keys) text += "  " + own.key + ": " + own.doc + "\n";
 }
 
-void append_later(std::string& text, const TableLayout& layout) {
-  const auto to_come = later(layout);
-  if (to_come.empty()) return;
-  text += "\nnot in this version\n";
-  for (const auto& [key, note] : to_come) {
-    text += "  " + key + (note.empty() ? "" : ": " + note) + "\n";
-  }
-}
-
 std::string table_text(const SceneTable& table) {
   std::string text = fmt::format("[{}]: {}\n", table.name, table.summary);
   if (!table.layout.rows.empty()) append_rows(text, table.layout.rows);
   append_own_keys(text, table.layout.rows.empty() ? "keys" : "and", table.layout.own_keys);
-  append_later(text, table.layout);
   return text;
 }
 
@@ -244,7 +230,6 @@ std::string component_text(const Described& component) {
   append_traits(text, component);
   append_rows(text, component.layout.rows);
   append_own_keys(text, "every " + component.kind + " also takes", component.layout.own_keys);
-  append_later(text, component.layout);
   text += "\nexample\n";
   append_indented(text, record.example);
   return text;

@@ -101,10 +101,6 @@ void append_layout(Json& entry, const TableLayout& layout) {
   for (const OwnKey& own : layout.own_keys) {
     entry["other_keys"].push_back(Json{{"key", own.key}, {"doc", own.doc}});
   }
-  entry["not_in_this_version"] = Json::array();
-  for (const auto& [key, note] : later(layout)) {
-    entry["not_in_this_version"].push_back(Json{{"key", key}, {"note", note}});
-  }
 }
 
 }  // namespace

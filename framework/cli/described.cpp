@@ -15,7 +15,6 @@ template <class Record>
 std::vector<std::string> number_types_of(const Record& record) {
   std::vector<std::string> types;
   if (record.bind.in_double) types.emplace_back(to_string(NumberType::double_precision));
-  if (record.bind.in_float) types.emplace_back(to_string(NumberType::single_precision));
   if (record.bind.in_quadruple) types.emplace_back(to_string(NumberType::quadruple_precision));
   return types;
 }
@@ -116,18 +115,6 @@ std::string default_text(const Parameter& row) {
   const auto standard = row.standard ? to_node(*row.standard) : std::nullopt;
   if (!standard) return "may be absent";
   return "default " + value_text(*standard) + natural_unit_text(row);
-}
-
-std::vector<std::pair<std::string, std::string>> later(const TableLayout& layout) {
-  std::vector<std::pair<std::string, std::string>> result;
-  for (const ReservedKey& key : layout.reserved) result.emplace_back(key.key, key.note);
-  for (const Parameter& row : layout.rows) {
-    if (row.only_standard) result.emplace_back(row.key, "any value but the default");
-    if (!row.later_choices.empty()) {
-      result.emplace_back(row.key, fmt::format("\"{}\"", fmt::join(row.later_choices, "\", \"")));
-    }
-  }
-  return result;
 }
 
 }  // namespace tomlin

@@ -44,13 +44,10 @@ std::string acts_on(const ForceRecord& force);
 /// "conservative", "order 4", "adaptive steps": what a component is said to be.
 std::vector<std::string> trait_words(const Described& component);
 
-/// "double", "float", "quadruple": those that it is there for; none for a body.
+/// "double", "quadruple": those that it is there for; none for a body.
 std::vector<std::string> number_types(const Described& component);
 
 /// "required", "default 1.0", "may be absent".
 std::string default_text(const Parameter& row);
-
-/// What scenes may say one day: keys, words of a key, and values but the default.
-std::vector<std::pair<std::string, std::string>> later(const TableLayout& layout);
 
 }  // namespace tomlin

@@ -153,7 +153,7 @@ void count_neighbours(Explanation& explanation, Model& model) {
     return;
   StateLayout layout;
   model.declare(layout);
-  RunState state(layout, 1);
+  RunState state(layout);
   model.attach(state);
   model.start();
   const SystemView<double>& view = model.system().view;

@@ -484,9 +484,7 @@ std::string explanation_text(const Explanation& e) {
   return fmt::format(
              "{}: {} dimension{}, {} dynamics, {} precision, {}\n\n", title_of(scene),
              scene.dimension, scene.dimension == 1 ? "" : "s", to_string(scene.run.dynamics),
-             scene.run.number_type == NumberType::single_precision
-                 ? "single"
-                 : to_string(scene.run.number_type),
+             to_string(scene.run.number_type),
              scene.units == UnitSystem::metal ? "metal units (eV, A, ps, u, K)" : "reduced units") +
          text.text();
 }

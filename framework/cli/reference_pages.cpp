@@ -98,16 +98,6 @@ void append_own_keys(std::string& text, const std::vector<OwnKey>& keys) {
   if (!keys.empty()) text += "\n";
 }
 
-void append_later(std::string& text, const TableLayout& layout) {
-  const auto to_come = later(layout);
-  if (to_come.empty()) return;
-  text += "Not in this version:\n\n";
-  for (const auto& [key, note] : to_come) {
-    text += "- " + code(key) + (note.empty() ? "" : ": " + note) + "\n";
-  }
-  text += "\n";
-}
-
 std::string page_of(const Kind& kind, const std::vector<Described>& all) {
   std::string text = fmt::format("# {}\n\n{}{}\n\n", kind.title, kMadeBy, kind.preface);
   text += "| type | what it is |\n|---|---|\n";
@@ -235,7 +225,6 @@ std::string component_section(const Described& component) {
   }
   text += "\n";
   append_rows(text, component.layout.rows);
-  append_later(text, component.layout);
   append_block(text, "toml", record.example);
   return text;
 }
@@ -244,7 +233,6 @@ std::string table_section(const SceneTable& table) {
   std::string text = fmt::format("## [{}]\n\n{}\n\n", table.name, sentence(table.summary));
   append_own_keys(text, table.layout.own_keys);
   append_rows(text, table.layout.rows);
-  append_later(text, table.layout);
   return text;
 }
 

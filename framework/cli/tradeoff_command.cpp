@@ -43,7 +43,7 @@ struct TradeoffArguments : SceneOptions {
 
 constexpr const char* kTradeoffFooter = R"(
 Computes one number of the scene's summary in every way that applies: by every integrator from
-coarse to fine, in double and in float, and by simpler models of the scene (flexible bodies as rigid
+coarse to fine, and by simpler models of the scene (flexible bodies as rigid
 ones, without inertia, quasistatic). Each is held against a reference whose own error is established:
 the best scheme tightened until the number stops moving, checked by a scheme of another family and
 in quadruple precision. Shows what accuracy costs, in force evaluations with Jacobian columns and in

@@ -114,7 +114,7 @@ struct LammpsStart {
 LammpsStart start_of(Model& model, std::size_t atoms) {
   StateLayout layout;
   model.declare(layout);
-  RunState state(layout, 1);
+  RunState state(layout);
   model.attach(state);
   model.start();
   const auto& view = model.system().view;

@@ -334,10 +334,8 @@ void AssembledBodies<Real>::orient(std::size_t rotor, const Quaternion& orientat
 }
 
 template struct AssembledBody<double>;
-template struct AssembledBody<float>;
 template struct AssembledBody<Quad>;
 template class AssembledBodies<double>;
-template class AssembledBodies<float>;
 template class AssembledBodies<Quad>;
 
 }  // namespace tomlin

@@ -267,7 +267,6 @@ void AssembledForces<Real>::start_controls() {
 }
 
 template class AssembledForces<double>;
-template class AssembledForces<float>;
 template class AssembledForces<Quad>;
 
 }  // namespace tomlin

@@ -314,15 +314,13 @@ void Assembly<Real>::start_supports(const FinalState& from, Real* own) {
 template <class Real>
 void Assembly<Real>::write_numbers(FinalState& state) const {
   const SystemView<Real>& view = system_.view;
-  const auto write = [](const Real* x, const Real* rest, std::size_t count, std::vector<Quad>& to) {
-    to.assign(count, Quad(0.0));
-    for (std::size_t i = 0; i < count; ++i) {
-      to[i] = Quad(x[i]) + (rest == nullptr ? Quad(0.0) : Quad(rest[i]));
-    }
+  const auto write = [](const Real* x, std::size_t count, std::vector<Quad>& to) {
+    to.resize(count);
+    for (std::size_t i = 0; i < count; ++i) to[i] = Quad(x[i]);
   };
-  write(view.position, view.position_rest, view.dofs, state.position);
-  write(view.velocity, view.velocity_rest, view.dofs, state.velocity);
-  write(view.integrals, view.integrals_rest, view.own_count, state.own);
+  write(view.position, view.dofs, state.position);
+  write(view.velocity, view.dofs, state.velocity);
+  write(view.integrals, view.own_count, state.own);
 }
 
 template <class Real>
@@ -367,7 +365,6 @@ void Assembly<Real>::spoil_forces() {
 }
 
 template class Assembly<double>;
-template class Assembly<float>;
 template class Assembly<Quad>;
 
 }  // namespace tomlin

@@ -91,7 +91,6 @@ class Assembly {
 };
 
 extern template class Assembly<double>;
-extern template class Assembly<float>;
 extern template class Assembly<Quad>;
 
 }  // namespace tomlin

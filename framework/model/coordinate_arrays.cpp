@@ -11,11 +11,7 @@ namespace tomlin {
 namespace {
 
 /// No limit on a move, though still a finite one: infinity would let an infinite move pass.
-template <class Real>
-Real unbounded() {
-  return Real(sizeof(Real) < sizeof(double) ? std::numeric_limits<float>::max()
-                                            : std::numeric_limits<double>::max());
-}
+constexpr double kUnbounded = std::numeric_limits<double>::max();
 
 }  // namespace
 
@@ -23,7 +19,7 @@ template <class Real>
 CoordinateArrays<Real>::CoordinateArrays(const AssemblyPlan& plan, AssembledBodies<Real>& bodies,
                                          SystemView<Real>& view)
     : inverse_mass(bodies.dofs, Real(0.0)),
-      largest_move_(bodies.dofs, unbounded<Real>()),
+      largest_move_(bodies.dofs, Real(kUnbounded)),
       force_(bodies.dofs + 2 * kGroup, Real(0.0)),
       mapped_position_(bodies.mapped_size + 2 * kGroup, Real(0.0)),
       mapped_velocity_(bodies.mapped_size + 2 * kGroup, Real(0.0)),
@@ -165,7 +161,6 @@ void CoordinateArrays<Real>::place_fixed(const AssemblyPlan& plan,
 }
 
 template class CoordinateArrays<double>;
-template class CoordinateArrays<float>;
 template class CoordinateArrays<Quad>;
 
 }  // namespace tomlin

@@ -246,7 +246,6 @@ void DeclaredDriver<Real>::begin_step(const DoubleDouble& time, const Origin& or
 }
 
 template class DeclaredDriver<double>;
-template class DeclaredDriver<float>;
 template class DeclaredDriver<Quad>;
 
 }  // namespace tomlin

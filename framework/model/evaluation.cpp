@@ -286,7 +286,6 @@ void Evaluation<Real>::heat_of_drift(const void* drifted, const Stage<Real>& sta
 }
 
 template class Evaluation<double>;
-template class Evaluation<float>;
 template class Evaluation<Quad>;
 
 }  // namespace tomlin

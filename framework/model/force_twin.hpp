@@ -83,7 +83,7 @@ class ForceTwin {
   explicit ForceTwin(const AssemblyPlan& plan) : origin_(plan.origin), assembly_(plan) {
     StateLayout layout;
     assembly_.declare_controls(layout);
-    controls_ = RunState(layout, 1);
+    controls_ = RunState(layout);
     assembly_.attach_controls(controls_);
     const SystemView<Real>& view = assembly_.system().view;
     heat_rate_ = view.rates;

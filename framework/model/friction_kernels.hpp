@@ -8,7 +8,6 @@
 #include "framework/core/numbers/math.hpp"
 #include "framework/core/numbers/normal_numbers.hpp"
 #include "framework/core/numbers/number_types.hpp"
-#include "framework/core/system/compensated.hpp"
 #include "framework/core/system/flow.hpp"
 #include "framework/core/system/kernel_arguments.hpp"
 #include "framework/core/system/stage.hpp"
@@ -210,7 +209,7 @@ struct FrictionKernels {
         return;
       }
       // -x (1 - x/2 (1 - x/3 (1 - ...))), to the digits of each type.
-      constexpr int kTerms = sizeof(Real) == sizeof(float) ? 9 : sizeof(Real) == 8 ? 16 : 30;
+      constexpr int kTerms = sizeof(Real) == sizeof(double) ? 16 : 30;
       Real sum(1.0);
       for (int n = kTerms; n >= 2; --n) sum = fnma(x / Real(n), sum, Real(1.0));
       loss = -(x * sum);
@@ -225,20 +224,17 @@ struct FrictionKernels {
 
   /// v <- (keep + loss keep) v, of a group.
   template <class Real>
-  TOMLIN_INLINE static void decay(Real* v, Real* rest, std::size_t i, const Packed<Real>& keep,
+  TOMLIN_INLINE static void decay(Real* v, std::size_t i, const Packed<Real>& keep,
                                   const Packed<Real>& loss) {
     using Group = Packed<Real>;
-    (keep * Group::load(v + i)).store(v + i);
-    if (rest != nullptr) (keep * Group::load(rest + i)).store(rest + i);
-    add_scaled(v, rest, i, loss, Group::load(v + i));
+    const Group kept = keep * Group::load(v + i);
+    fma(loss, kept, kept).store(v + i);
   }
 
   /// Kinetic energy that coordinates have lost, of the numbers as they were and are.
   template <class T>
-  TOMLIN_INLINE static T lost(const T& mass, const T& before, const T& rest_before, const T& after,
-                              const T& rest_after) {
-    const T change = (before - after) + (rest_before - rest_after);
-    return T(Scalar<T>(0.5)) * mass * change * (before + after);
+  TOMLIN_INLINE static T lost(const T& mass, const T& before, const T& after) {
+    return T(Scalar<T>(0.5)) * mass * (before - after) * (before + after);
   }
 
   /// What is kept of velocities over h, and the size of their noise, unless they are known.
@@ -297,7 +293,6 @@ struct FrictionKernels {
     using Group = Packed<Real>;
     const FrictionArguments<Real> a = *static_cast<const FrictionArguments<Real>*>(arguments);
     Real* v = stage.velocity + a.body.offset;
-    Real* rest = stage.velocity_rest == nullptr ? nullptr : stage.velocity_rest + a.body.offset;
     const bool heats = stage.heat;
     know(a, h, stage.midpoint);
     if (a.temperature != nullptr) draw(a, stage.key, stage.step, stage.part, a.normals);
@@ -305,17 +300,15 @@ struct FrictionKernels {
     Group heat = none;
     for (std::size_t i = 0; i < a.length; i += kGroup) {
       const Group before = Group::load(v + i);
-      const Group rest_before = rest == nullptr ? none : Group::load(rest + i);
-      decay(v, rest, i, Group::load(a.keep + i), Group::load(a.loss + i));
+      decay(v, i, Group::load(a.keep + i), Group::load(a.loss + i));
       if (a.temperature != nullptr) {
-        add_scaled(v, rest, i, Group::load(a.spread + i), Group::load(a.normals + i));
+        fma(Group::load(a.spread + i), Group::load(a.normals + i), Group::load(v + i)).store(v + i);
       }
       if (!heats) continue;
       // What is held has no inverse mass, and loses nothing.
       const Group inverse = Group::load(a.inverse_mass + i);
       const Group mass = Group(Real(1.0)) / select(none < inverse, inverse, Group(Real(1.0)));
-      heat += lost(mass, before, rest_before, Group::load(v + i),
-                   rest == nullptr ? none : Group::load(rest + i));
+      heat += lost(mass, before, Group::load(v + i));
     }
     return heats ? sum(heat) : Real(0.0);
   }
@@ -329,13 +322,7 @@ struct FrictionKernels {
                                           Real h) {
     const FrictionArguments<Real> a = *static_cast<const FrictionArguments<Real>*>(arguments);
     Real* v = stage.velocity + a.body.centre;
-    Real* rest = stage.velocity_rest == nullptr ? nullptr : stage.velocity_rest + a.body.centre;
-    Real before[3];
-    Real rest_before[3];
-    for (int k = 0; k < 3; ++k) {
-      before[k] = v[k];
-      rest_before[k] = rest == nullptr ? Real(0.0) : rest[k];
-    }
+    const Real before[3] = {v[0], v[1], v[2]};
     const bool planar = a.axes == 2;
     const Decay<Real> centre(a.total / a.mass, h, stage.midpoint);
     const bool noisy = a.bath > Real(0.0);
@@ -387,25 +374,24 @@ struct FrictionKernels {
         change[0] = fnma(q[1], across, change[0]);
         change[1] = fma(q[0], across, change[1]);
       }
-      add_move(v, rest, 0, three_lanes(change[0], change[1], change[2]));
+      for (int k = 0; k < 3; ++k) v[k] = v[k] + change[k];
     } else {
       const Decay<Real> turning(a.rotates ? a.second / a.inertia : Real(0.0), h, stage.midpoint);
-      decay(v, rest, 0, three_lanes(centre.keep, centre.keep, planar ? turning.keep : centre.keep),
+      decay(v, 0, three_lanes(centre.keep, centre.keep, planar ? turning.keep : centre.keep),
             three_lanes(centre.loss, centre.loss, planar ? turning.loss : centre.loss));
       if (noisy) {
         const Real along = speed * centre.spread();
         const Real turn = a.rotates ? sqrt(a.bath / a.inertia) * turning.spread() : Real(0.0);
         const Real third = planar ? turn : a.free[2] ? along : Real(0.0);
-        add_move(v, rest, 0,
-                 three_lanes(a.free[0] ? along * z[0] : Real(0.0),
-                             a.free[1] ? along * z[1] : Real(0.0), third * z[2]));
+        const Real noise[3] = {a.free[0] ? along * z[0] : Real(0.0),
+                               a.free[1] ? along * z[1] : Real(0.0), third * z[2]};
+        for (int k = 0; k < 3; ++k) v[k] = v[k] + noise[k];
       }
     }
     Real heat(0.0);
     if (!stage.heat) return heat;
     for (int k = 0; k < 3; ++k) {
-      heat += lost(planar && k == 2 ? a.inertia : a.mass, before[k], rest_before[k], v[k],
-                   rest == nullptr ? Real(0.0) : rest[k]);
+      heat += lost(planar && k == 2 ? a.inertia : a.mass, before[k], v[k]);
     }
     return heat;
   }
@@ -571,9 +557,9 @@ struct FrictionKernels {
     const double* const normals = l.noisy ? draw_in_lanes(l, stage.step, stage.part) : nullptr;
     double* const v = stage.velocity + l.first * l.width;
     for (std::size_t i = 0; i < l.rows * l.width; i += kGroup) {
-      decay<double>(v, nullptr, i, Pack::load(l.keep + i), Pack::load(l.loss + i));
+      decay<double>(v, i, Pack::load(l.keep + i), Pack::load(l.loss + i));
       if (normals == nullptr) continue;
-      add_scaled<double>(v, nullptr, i, Pack::load(l.spread + i), Pack::load(normals + i));
+      fma(Pack::load(l.spread + i), Pack::load(normals + i), Pack::load(v + i)).store(v + i);
     }
     return 0.0;
   }

@@ -47,7 +47,7 @@ RandomKey key_of(const AssemblyPlan& plan, const AssembledForce<Real>& force) {
 /// Friction is centred on the centre of mass but for rounding in the number type.
 template <class Real>
 bool is_centred(const FrictionArguments<Real>& arguments) {
-  constexpr double kRounding = sizeof(Real) == sizeof(float) ? 1e-5 : 1e-12;
+  constexpr double kRounding = 1e-12;
   const double scale = std::sqrt(static_cast<double>(arguments.second * arguments.total)) / kTau;
   return std::all_of(std::begin(arguments.moment), std::end(arguments.moment), [&](Real moment) {
     return std::abs(static_cast<double>(moment)) <= kRounding * scale;
@@ -373,7 +373,6 @@ void FrictionMatrix<Real>::add_mobility(const AssemblyPlan& plan,
 }
 
 template class FrictionMatrix<double>;
-template class FrictionMatrix<float>;
 template class FrictionMatrix<Quad>;
 
 }  // namespace tomlin

@@ -383,13 +383,10 @@ PointForce<Real> without_guard(PointForce<Real> point) {
 }
 
 template PointForce<double> without_guard(PointForce<double>);
-template PointForce<float> without_guard(PointForce<float>);
 template PointForce<Quad> without_guard(PointForce<Quad>);
 
 template std::unique_ptr<BoundForce<double>> guarded(std::unique_ptr<BoundForce<double>>,
                                                      std::string, std::string);
-template std::unique_ptr<BoundForce<float>> guarded(std::unique_ptr<BoundForce<float>>, std::string,
-                                                    std::string);
 template std::unique_ptr<BoundForce<Quad>> guarded(std::unique_ptr<BoundForce<Quad>>, std::string,
                                                    std::string);
 

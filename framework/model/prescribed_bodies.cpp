@@ -197,7 +197,6 @@ double PrescribedBodies<Real>::speed_of(const AssembledBody<Real>& body, int axi
 }
 
 template class PrescribedBodies<double>;
-template class PrescribedBodies<float>;
 template class PrescribedBodies<Quad>;
 
 }  // namespace tomlin

@@ -88,8 +88,8 @@ struct PropertyOptions {
 ///   set and add    kernels that set write what those that add give to zeros, over anything
 ///   padding        forces are zero from the last particle of a body to the end of its group
 ///   point          the kernel of a single particle on a line has the bits of the loop
-///   same bits      on every instruction set, in double and in float
-///   number types   the same in float, double and quadruple precision, each to its own rounding
+///   same bits      on every instruction set, in double precision
+///   number types   the same in double and quadruple precision, each to its own rounding
 ///
 /// What one state cannot refute has to be seen at one at least: where none shows it, nothing was
 /// compared, and the property holds with no state.

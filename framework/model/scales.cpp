@@ -126,7 +126,7 @@ Scales scales_of(const std::shared_ptr<const Scene>& scene) {
   Model model(scene);
   StateLayout layout;
   model.declare(layout);
-  RunState state(layout, 1);
+  RunState state(layout);
   model.attach(state);
   model.start();
 

@@ -69,7 +69,7 @@ SingleForce::SingleForce(const Scene& scene, std::size_t force)
                          scheme_)) {
   StateLayout layout;
   model_.declare(layout);
-  state_ = RunState(layout, 1);
+  state_ = RunState(layout);
   model_.attach(state_);
   model_.start();
   rates_.assign(model_.system().view.rates + 2 * kGroup, 0.0);

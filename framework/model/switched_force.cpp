@@ -143,7 +143,6 @@ auto SwitchedForce<Real>::gate(Kernel<Real> run, const void* arguments) -> const
 }
 
 template class SwitchedForce<double>;
-template class SwitchedForce<float>;
 template class SwitchedForce<Quad>;
 
 }  // namespace tomlin

@@ -47,7 +47,6 @@ bool holds(const std::vector<std::string>& types, NumberType type) {
 template <class Record>
 void keep_number_types(Record& record, const std::vector<std::string>& types) {
   if constexpr (requires { record.bind; }) {
-    if (!holds(types, NumberType::single_precision)) record.bind.in_float = nullptr;
     if (!holds(types, NumberType::quadruple_precision)) record.bind.in_quadruple = nullptr;
   }
 }

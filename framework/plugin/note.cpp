@@ -58,7 +58,7 @@ std::optional<PluginNote> parse_note(std::string_view text) {
 }
 
 PluginNote own_note() {
-  return parse_note(TOMLIN_NOTE_HEAD ";numbers=double float quadruple;sets=baseline").value();
+  return parse_note(TOMLIN_NOTE_HEAD ";numbers=double quadruple;sets=baseline").value();
 }
 
 std::string mismatch(const PluginNote& plugin, const PluginNote& program) {

@@ -14,7 +14,7 @@ struct PluginNote {
   std::string abi;                        ///< the C++ library, whose types cross the border
   std::string compiler;                   ///< told, not compared: those that share an ABI get on
   std::string border;                     ///< hash of the headers whose types cross the border
-  std::vector<std::string> number_types;  ///< "double", "float", "quadruple"
+  std::vector<std::string> number_types;  ///< "double", "quadruple"
   std::vector<std::string> instruction_sets;  ///< "baseline", "avx2", "avx512"
 };
 

@@ -70,7 +70,7 @@ double RunContext::since_anchor() {
 }
 
 void RunContext::may_go_back() {
-  if (before_.replicas() == 0) before_ = state;
+  if (before_.empty()) before_ = state;
 }
 
 void RunContext::go_back() {

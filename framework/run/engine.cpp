@@ -171,7 +171,7 @@ void Engine::Parts::declare_state() {
     layout.add_reals("energy_balance", EnergyBalance::reals(run.model.system().view.rates));
     layout.add_integers("energy_balance", EnergyBalance::integers());
   }
-  run.state = RunState(layout, 1);
+  run.state = RunState(layout);
 }
 
 void Engine::Parts::attach() {

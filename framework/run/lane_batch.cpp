@@ -62,7 +62,7 @@ LaneBatch::LaneBatch(Engine& like, std::size_t most)
   integrator_ = run.scheme.bind.in<double>()(description, system_.system());
   StateLayout layout;
   integrator_->declare(layout);
-  state_ = RunState(layout, 1);
+  state_ = RunState(layout);
   integrator_->attach(state_);
   lane_block_ = lane_block_of(like.model(), run.scheme);
   if (!like.integrator().has_point_block()) return;

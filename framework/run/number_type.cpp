@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/system/compensated.hpp"
 #include "framework/core/text/fault.hpp"
 #include "framework/model/plugin_code.hpp"
 
@@ -30,7 +29,6 @@ class MirroredIntegrator : public Integrator<double>, public ModelFollower {
   void declare(StateLayout& layout) override {
     for (const auto& [name, count] : fields()) {
       layout.add_numbers<Real>("stepped." + name, count);
-      if (kCompensated<Real>) layout.add_numbers<Real>("stepped." + name + ".rest", count);
     }
     scheme_->declare(layout);
   }
@@ -40,11 +38,6 @@ class MirroredIntegrator : public Integrator<double>, public ModelFollower {
     view.position = state.numbers<Real>("stepped.position");
     view.velocity = state.numbers<Real>("stepped.velocity");
     view.integrals = state.numbers<Real>("stepped.integrals");
-    if (kCompensated<Real>) {
-      view.position_rest = state.numbers<Real>("stepped.position.rest");
-      view.velocity_rest = state.numbers<Real>("stepped.velocity.rest");
-      view.integrals_rest = state.numbers<Real>("stepped.integrals.rest");
-    }
     assembly_.attach_controls(state);
     scheme_->attach(state);
   }
@@ -102,11 +95,10 @@ class MirroredIntegrator : public Integrator<double>, public ModelFollower {
       const BodySlot<Real>& slot = body.bound.slot;
       for (int d = 0; d < model_.dimension(); ++d) {
         if (slot.rigid) {
-          shift(view.position, view.position_rest, slot.centre + d, cells[d], unit[d]);
+          shift(view.position, slot.centre + d, cells[d], unit[d]);
         } else if (!slot.mapped) {
           for (std::size_t i = 0; i < slot.count; ++i) {
-            shift(view.position, view.position_rest, slot.offset + d * slot.stride + i, cells[d],
-                  unit[d]);
+            shift(view.position, slot.offset + d * slot.stride + i, cells[d], unit[d]);
           }
         }
       }
@@ -114,15 +106,13 @@ class MirroredIntegrator : public Integrator<double>, public ModelFollower {
         const std::size_t at = slot.centre + kRotation;
         const double ahead =
             static_cast<double>(view.position[at]) - model_.system().view.position[at];
-        shift(view.position, view.position_rest, at,
-              static_cast<std::int64_t>(std::nearbyint(ahead)), 1.0);
+        shift(view.position, at, static_cast<std::int64_t>(std::nearbyint(ahead)), 1.0);
       }
     }
     for (const auto& steered : assembly_.prescribed().steered()) {
       for (int d = 0; d < model_.dimension(); ++d) {
         if (steered.own[d] < 0) continue;
-        shift(view.integrals, view.integrals_rest, static_cast<std::size_t>(steered.own[d]),
-              cells[d], unit[d]);
+        shift(view.integrals, static_cast<std::size_t>(steered.own[d]), cells[d], unit[d]);
       }
     }
   }
@@ -137,32 +127,22 @@ class MirroredIntegrator : public Integrator<double>, public ModelFollower {
     return {{"position", view.dofs}, {"velocity", view.dofs}, {"integrals", view.rates}};
   }
 
-  static void shift(Real* x, Real* rest, std::size_t i, std::int64_t cells, double unit) {
+  static void shift(Real* x, std::size_t i, std::int64_t cells, double unit) {
     if (cells == 0) return;
-    const auto count = static_cast<double>(cells);
-    if constexpr (kCompensated<Real>) {
-      const double exact = static_cast<double>(x[i]) + static_cast<double>(rest[i]) - count * unit;
-      x[i] = static_cast<Real>(exact);
-      rest[i] = static_cast<Real>(exact - static_cast<double>(x[i]));
-    } else {
-      x[i] = x[i] - Real(count) * Real(unit);
-    }
+    x[i] = x[i] - Real(static_cast<double>(cells)) * Real(unit);
   }
 
   /// The model's numbers, from those that are stepped.
   void show() {
     const SystemView<Real>& from = assembly_.system().view;
     const SystemView<double>& to = system_.view;
-    show(from.position, from.position_rest, from.dofs, to.position);
-    show(from.velocity, from.velocity_rest, from.dofs, to.velocity);
-    show(from.integrals, from.integrals_rest, from.rates, to.integrals);
+    show(from.position, from.dofs, to.position);
+    show(from.velocity, from.dofs, to.velocity);
+    show(from.integrals, from.rates, to.integrals);
   }
 
-  static void show(const Real* x, const Real* rest, std::size_t n, double* to) {
-    for (std::size_t i = 0; i < n; ++i) {
-      to[i] = static_cast<double>(x[i]);
-      if (rest != nullptr) to[i] += static_cast<double>(rest[i]);
-    }
+  static void show(const Real* x, std::size_t n, double* to) {
+    for (std::size_t i = 0; i < n; ++i) to[i] = static_cast<double>(x[i]);
   }
 
   Model& model_;
@@ -195,8 +175,6 @@ std::unique_ptr<Integrator<double>> integrator_in(NumberType number_type, Model&
   switch (number_type) {
     case NumberType::double_precision:
       return something(scheme.bind.in_double(description, model.system()));
-    case NumberType::single_precision:
-      return mirrored<float>(model, description, scheme);
     case NumberType::quadruple_precision:
       return mirrored<Quad>(model, description, scheme);
   }

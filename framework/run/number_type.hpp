@@ -9,7 +9,7 @@
 /// `[run] number_type`: the numbers that the state is held in. Whoever looks on sees doubles.
 namespace tomlin {
 
-/// The scheme on the model itself for "double". For "float" and "quadruple" the scene is bound a
+/// The scheme on the model itself for "double". For "quadruple" the scene is bound a
 /// second time, in that type, and does the stepping; after each step the model gets its numbers.
 /// Throws InputError when a force or the scheme is not available in that type.
 std::unique_ptr<Integrator<double>> integrator_in(NumberType number_type, Model& model,

@@ -469,16 +469,20 @@ void Observation::write_results(const double* rates, RunResult& result) const {
   table.convert_to(run_.scene->units);
   result.errors = table.errors();
   std::string unknown;
+  double longer = 0.0;
   for (const ErrorEstimate& estimate : result.errors) {
     if (estimate.error) continue;
+    longer = std::max(longer, estimate.longer);
     unknown += (unknown.empty() ? "" : ", ") + estimate.path;
   }
   if (!unknown.empty()) {
     result.warnings.push_back(
         {FaultCode::run_error_not_estimated,
          fmt::format("no statistical error of {}: the window is shorter than {:g} correlation "
-                     "times, or has too few blocks, slips or strokes",
-                     unknown, kFewestCorrelationTimes),
+                     "times, or has too few blocks, slips or strokes{}",
+                     unknown, kFewestCorrelationTimes,
+                     longer > 0.0 ? fmt::format("; one {:.2g} times as long is the least", longer)
+                                  : ""),
          "measure"});
   }
   result.groups = table.take(run_.options.all_observables ? Selection() : selection_);

@@ -49,8 +49,8 @@ class ResultTable {
   ResultGroup& driver(const Model::Driver& driver) { return group("drivers", driver.name); }
   ResultGroup& body(const Model::Body& body) { return group("bodies", body.bound.name); }
   /// Standard error of a result; nothing where it is unknown.
-  void add_error(std::string path, std::optional<double> error) {
-    errors_.push_back({std::move(path), error});
+  void add_error(std::string path, std::optional<double> error, double longer = 0.0) {
+    errors_.push_back({std::move(path), error, longer});
   }
   const std::vector<ErrorEstimate>& errors() const { return errors_; }
   /// Numbers of observers, which are in the engine's units, become those of a scene.

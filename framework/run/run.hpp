@@ -93,6 +93,7 @@ struct AccuracyResult {
 struct ErrorEstimate {
   std::string path;
   std::optional<double> error;  ///< nothing where the observable is undefined
+  double longer = 0.0;  ///< without an error: times the window that one takes at least; 0: unknown
 };
 
 struct RunResult {

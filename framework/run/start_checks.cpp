@@ -127,9 +127,6 @@ bool holds_steps(const RunSettings& run) {
   return false;
 }
 
-/// Tolerances that floats can keep: ten units in the last place.
-constexpr double kFinestOfFloat = 1e-6;
-
 /// Without inertia velocities follow from forces, whatever the scene says of them at the start.
 void warn_of_idle_velocities(Check& check) {
   if (check.model.system().view.inertial && !check.scheme.follows_equilibria) return;
@@ -149,22 +146,6 @@ void warn_of_idle_velocities(Check& check) {
                      check.scheme.follows_equilibria ? "the drivers'" : "forces"),
          key});
   }
-}
-
-/// An adaptive scheme that is asked for more digits than its numbers have.
-void warn_of_fine_tolerance(Check& check) {
-  if (check.scheme.tolerance == nullptr ||
-      check.scene.run.number_type != NumberType::single_precision)
-    return;
-  const double asked =
-      *tolerance_of(check.scene.run.integrator, tolerance_scales(check.model.system().view).length);
-  if (asked >= kFinestOfFloat) return;
-  check.found.warnings.push_back(
-      {FaultCode::integrator_fine_tolerance,
-       fmt::format("floats carry no tolerance of {:g} of a length: below about {:g} steps follow "
-                   "their rounding and get very short",
-                   asked, kFinestOfFloat),
-       kIntegratorKey});
 }
 
 /// Quasistatic dynamics have a scheme of their own.
@@ -558,8 +539,6 @@ void warn_of_short_window(Check& check) {
 
 double last_place_of(NumberType number_type) {
   switch (number_type) {
-    case NumberType::single_precision:
-      return 0x1p-23;
     case NumberType::double_precision:
       return 0x1p-52;
     case NumberType::quadruple_precision:
@@ -577,7 +556,6 @@ StartFindings check_start(Model& model, const RunPlan& plan, bool checks_step) {
                                 force.warnings.end());
   }
   warn_of_idle_velocities(check);
-  warn_of_fine_tolerance(check);
   warn_of_unused_integrator(check);
   bound_unwatched_steps(check);
   // What a run until it is steady waits for is looked at once a period.

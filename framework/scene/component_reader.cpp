@@ -333,11 +333,8 @@ std::optional<std::size_t> read_type(SceneDraft& draft, const std::string& kind,
   }
   const auto found = std::find(names.begin(), names.end(), *type);
   if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
-  const ReservedKey* planned = planned_word(*type);
-  draft.faults.of_value(
-      *node, {planned ? FaultCode::scene_not_in_this_version : FaultCode::scene_unknown_component,
-              key, planned ? not_in_this_version(*planned) : "there is no such " + kind,
-              listed(in_quotes(names)), planned ? "" : nearest_name(*type, names).value_or("")});
+  draft.faults.of_value(*node, {FaultCode::scene_unknown_component, key, "there is no such " + kind,
+                                listed(in_quotes(names)), nearest_name(*type, names).value_or("")});
   return std::nullopt;
 }
 

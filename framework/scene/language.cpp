@@ -17,9 +17,6 @@ namespace {
 /// Those that the build has kernels for (TOMLIN_NUMBER_TYPES in cmake/TomlinKernels.cmake).
 std::vector<std::string> compiled_number_types() {
   std::vector<std::string> types = {to_string(NumberType::double_precision)};
-#if !defined(TOMLIN_WITHOUT_FLOAT)
-  types.emplace_back(to_string(NumberType::single_precision));
-#endif
 #if !defined(TOMLIN_WITHOUT_QUAD)
   types.emplace_back(to_string(NumberType::quadruple_precision));
 #endif
@@ -67,13 +64,10 @@ Parameter plain_list(std::string key, T D::*member, T W::*contents, Dimension di
 }
 
 /// A component's layout: its record's rows, and what all components of the kind take.
-TableLayout component_layout(const ComponentRecord& record, std::vector<OwnKey> own_keys,
-                             std::vector<ReservedKey> reserved) {
+TableLayout component_layout(const ComponentRecord& record, std::vector<OwnKey> own_keys) {
   TableLayout layout;
   layout.own_keys = std::move(own_keys);
   layout.rows = record.parameters;
-  layout.reserved = record.reserved;
-  layout.reserved.insert(layout.reserved.end(), reserved.begin(), reserved.end());
   return layout;
 }
 
@@ -90,12 +84,6 @@ const Parameter* TableLayout::row(std::string_view key) const {
   const auto found = std::find_if(
       rows.begin(), rows.end(), [key](const Parameter& candidate) { return candidate.key == key; });
   return found == rows.end() ? nullptr : &*found;
-}
-
-const ReservedKey* TableLayout::reserved_key(std::string_view key) const {
-  const auto found = std::find_if(reserved.begin(), reserved.end(),
-                                  [key](const auto& candidate) { return candidate.key == key; });
-  return found == reserved.end() ? nullptr : &*found;
 }
 
 bool TableLayout::is_own_key(std::string_view key) const {
@@ -116,7 +104,6 @@ TableLayout scene_layout() {
           "units", &Scene::units, dimension::none,
           "the system of units: reduced or any consistent ones; or metal, in which numbers are "
           "in eV, Angstrom, ps, u and K")
-          .not_yet({"real"})
           .by_default(UnitSystem::reduced),
   };
   return layout;
@@ -364,7 +351,7 @@ TableLayout body_layout(const BodyRecord& record) {
       {"motion",
        "of a prescribed body: { velocity = [..], angular_velocity = .. }, numbers or "
        "expressions in t; zero by default"}};
-  return component_layout(record, keys, {});
+  return component_layout(record, keys);
 }
 
 Parameter hold_row() {
@@ -410,7 +397,7 @@ TableLayout force_layout(const ForceRecord& record) {
        "{ from = 0.0, until = TIME }, the interval in which the force acts; by default always. A "
        "driving "
        "spring without start then starts where the attached point is"}};
-  return component_layout(record, keys, {});
+  return component_layout(record, keys);
 }
 
 TableLayout observer_layout(const ObserverRecord& record) {
@@ -419,11 +406,11 @@ TableLayout observer_layout(const ObserverRecord& record) {
       {"type", "which observer it is"},
       {"body", "the body it observes; may be omitted if the scene has one body"},
       {"bodies", "in place of body: a list, where it observes two or more"}};
-  return component_layout(record, keys, {});
+  return component_layout(record, keys);
 }
 
 TableLayout integrator_layout(const IntegratorRecord& record) {
-  return component_layout(record, {{"type", "which integrator it is"}}, {});
+  return component_layout(record, {{"type", "which integrator it is"}});
 }
 
 const std::vector<std::string>& top_level_keys() {
@@ -431,34 +418,6 @@ const std::vector<std::string>& top_level_keys() {
                                                 "body",    "force",  "observer",   "run",
                                                 "measure", "output", "sweep"};
   return keys;
-}
-
-const std::vector<ReservedKey>& reserved_top_level_keys() {
-  static const std::vector<ReservedKey> keys;
-  return keys;
-}
-
-const std::vector<ReservedKey>& planned_words() {
-  static const char* const kMany = "many runs over values of parameters";
-  static const std::vector<ReservedKey> words = {
-      {"replicas", kMany},
-      {"stability", "thresholds and equilibria"},
-      {"report", "a web page of a run"},
-      {"constraints", "lengths that are held exactly"},
-  };
-  return words;
-}
-
-const ReservedKey* planned_word(std::string_view word) {
-  const auto& words = planned_words();
-  const auto found = std::find_if(words.begin(), words.end(),
-                                  [word](const ReservedKey& one) { return one.key == word; });
-  return found == words.end() ? nullptr : &*found;
-}
-
-std::string not_in_this_version(const ReservedKey& planned) {
-  return planned.note.empty() ? kNotInThisVersion
-                              : std::string(kNotInThisVersion) + " (" + planned.note + ")";
 }
 
 bool is_word_of_summary(std::string_view name) {

@@ -7,11 +7,8 @@
 #include "framework/core/records/parameter.hpp"
 #include "framework/core/records/registry.hpp"
 
-/// The scene language as tables: which keys each table of a scene takes, and what the language
-/// names but this version does not have yet. To switch a feature on, move its line.
+/// The scene language as tables: which keys each table of a scene takes.
 namespace tomlin {
-
-inline constexpr const char* kNotInThisVersion = "not in this version";
 
 /// A key that the scene reader reads itself, e.g. name and type.
 struct OwnKey {
@@ -23,14 +20,12 @@ struct OwnKey {
 struct TableLayout {
   std::vector<OwnKey> own_keys;
   std::vector<Parameter> rows;
-  std::vector<ReservedKey> reserved;
   /// Keys that are looked for here and stand elsewhere, with where: "run.integrator".
-  std::vector<ReservedKey> elsewhere = {};
+  std::vector<OwnKey> elsewhere = {};
 
   /// Every admissible key: its own, then those of the rows.
   std::vector<std::string> keys() const;
   const Parameter* row(std::string_view key) const;
-  const ReservedKey* reserved_key(std::string_view key) const;
   bool is_own_key(std::string_view key) const;
 };
 
@@ -75,15 +70,6 @@ TableLayout integrator_layout(const IntegratorRecord& record);
 /// plugins, and the tables of a scene: scene, parameters, box, body, force, observer, run, measure,
 /// output, sweep; in the order of the effective scene.
 const std::vector<std::string>& top_level_keys();
-const std::vector<ReservedKey>& reserved_top_level_keys();
-
-/// What is planned, and may be asked for in any table, as a type or as a choice: temperature and
-/// the like. A word that a table or a registry knows is looked for there first.
-const std::vector<ReservedKey>& planned_words();
-/// nullptr where nothing of that name is planned.
-const ReservedKey* planned_word(std::string_view word);
-/// "not in this version (heat baths, and the noise that comes with them)".
-std::string not_in_this_version(const ReservedKey& planned);
 
 /// Words that a summary uses beside the names of bodies and forces.
 bool is_word_of_summary(std::string_view name);

@@ -11,7 +11,7 @@ namespace tomlin {
 namespace {
 
 void report_unknown_tables(const Table& document, FaultList& faults) {
-  TableLayout layout{{}, {}, reserved_top_level_keys()};
+  TableLayout layout;
   for (const std::string& key : top_level_keys()) layout.own_keys.push_back({key, ""});
   for (const Entry& entry : document.entries) {
     if (!layout.is_own_key(entry.key)) report_key(entry, "", layout, faults);

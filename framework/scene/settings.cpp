@@ -85,14 +85,6 @@ class Application {
                              std::move(admissible), std::move(nearest)});
   }
 
-  bool refuse_planned(const std::string& name) {
-    const ReservedKey* planned = planned_word(name);
-    if (planned != nullptr) {
-      refuse(FaultCode::scene_not_in_this_version, not_in_this_version(*planned));
-    }
-    return planned != nullptr;
-  }
-
   void set_parameter(const std::string& name) {
     const auto names = parameter_names(document_);
     if (holds(names, name)) {
@@ -105,7 +97,6 @@ class Application {
     if (holds(top_level_keys(), name)) {
       return refuse(FaultCode::command_invalid_value, "a table, not a value", kAdmissiblePaths);
     }
-    if (refuse_planned(name)) return;
     refuse(FaultCode::scene_unknown_key, "there is no such parameter",
            names.empty() ? kAdmissiblePaths : listed(names) + "; or a dotted path",
            nearest_name(name, names).value_or(""));
@@ -120,7 +111,6 @@ class Application {
     std::erase_if(tables,
                   [](const std::string& name) { return name == kPlugins || name == kSweep; });
     if (!holds(tables, parts[0])) {
-      if (refuse_planned(parts[0])) return;
       return refuse(FaultCode::scene_unknown_key, "there is no such table", listed(tables),
                     nearest_name(parts[0], tables).value_or(""));
     }

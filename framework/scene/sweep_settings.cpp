@@ -401,12 +401,8 @@ class SweepReader {
   void report_unknown(const Entry& entry) {
     const std::vector<std::string> keys = sweep_layout().keys();
     const std::string name = "sweep." + key_text(shortened(entry.key, kLongestShownValue));
-    const ReservedKey* planned = planned_word(entry.key);
-    faults_.emplace_back(
-        planned ? FaultCode::scene_not_in_this_version : FaultCode::scene_unknown_key,
-        source_.place(entry.where), name, "",
-        planned ? not_in_this_version(*planned) : "unknown key", planned ? "" : listed(keys),
-        planned ? "" : nearest_name(entry.key, keys).value_or(""));
+    faults_.emplace_back(FaultCode::scene_unknown_key, source_.place(entry.where), name, "",
+                         "unknown key", listed(keys), nearest_name(entry.key, keys).value_or(""));
   }
 
   /// Names with dots may be keys in quotes, or tables in one another.

@@ -141,8 +141,8 @@ std::string table_of(const std::string& key, const TableLayout& layout) {
   const auto add = [&tables](const std::string& table) {
     tables += (tables.empty() ? "" : " or ") + ("[" + table + "]");
   };
-  for (const ReservedKey& one : layout.elsewhere) {
-    if (one.key == key) return one.note;
+  for (const OwnKey& one : layout.elsewhere) {
+    if (one.key == key) return one.doc;
   }
   for (const SceneTable& table : scene_tables()) {
     if (table.layout.row(key) != nullptr) add(table.name);
@@ -157,29 +157,22 @@ void report_key(const Entry& entry, const std::string& path, const TableLayout& 
   Wrong wrong(FaultCode::scene_unknown_key,
               (path.empty() ? "" : path + ".") + key_text(shortened(entry.key, kLongestShownValue)),
               "unknown key");
-  const ReservedKey* reserved = layout.reserved_key(entry.key);
-  if (reserved == nullptr) reserved = planned_word(entry.key);
-  if (reserved != nullptr) {
-    wrong.code = FaultCode::scene_not_in_this_version;
-    wrong.why = not_in_this_version(*reserved);
-  } else {
-    const auto keys = layout.keys();
-    wrong.nearest = nearest_name(entry.key, keys).value_or("");
-    // "every" is that of [output] rather than checkpoint_every.
-    const std::string& near = wrong.nearest;
-    const bool part = near.ends_with("_" + entry.key) || near.starts_with(entry.key + "_");
-    const std::string other = near.empty() || part ? table_of(entry.key, layout) : "";
-    if (!other.empty()) {
-      wrong.nearest.clear();
-      wrong.why += " here: it is one of " + other;
-    }
-    if (wrong.nearest.empty() && entry.key == "gamma" && layout.row("coefficient") != nullptr) {
-      wrong.nearest = "coefficient";
-      wrong.why += " here: coefficient is the particle's mass times the rate gamma";
-    }
-    wrong.admissible = listed(keys);
-    if (entry.key == "plugins") wrong.admissible = "plugins stands above the first [table]";
+  const auto keys = layout.keys();
+  wrong.nearest = nearest_name(entry.key, keys).value_or("");
+  // "every" is that of [output] rather than checkpoint_every.
+  const std::string& near = wrong.nearest;
+  const bool part = near.ends_with("_" + entry.key) || near.starts_with(entry.key + "_");
+  const std::string other = near.empty() || part ? table_of(entry.key, layout) : "";
+  if (!other.empty()) {
+    wrong.nearest.clear();
+    wrong.why += " here: it is one of " + other;
   }
+  if (wrong.nearest.empty() && entry.key == "gamma" && layout.row("coefficient") != nullptr) {
+    wrong.nearest = "coefficient";
+    wrong.why += " here: coefficient is the particle's mass times the rate gamma";
+  }
+  wrong.admissible = listed(keys);
+  if (entry.key == "plugins") wrong.admissible = "plugins stands above the first [table]";
   faults.of_key(entry.where, std::move(wrong));
 }
 

@@ -115,18 +115,7 @@ std::vector<std::string> words_due(const Parameter& row) {
 
 std::optional<ParameterValue> ValueReader::read(const Parameter& row, const Node& node,
                                                 const std::string& key) const {
-  auto value = read_kind({row, key}, node);
-  if (value && row.only_standard && *value != row.standard) {
-    const auto standard = to_node(*row.standard);
-    faults_.of_value(node, {FaultCode::scene_not_in_this_version, key, kNotInThisVersion,
-                            standard ? value_text(*standard) : ""});
-    return std::nullopt;
-  }
-  return value;
-}
-
-std::optional<ParameterValue> ValueReader::read_kind(const Subject& subject,
-                                                     const Node& node) const {
+  const Subject subject{row, key};
   return std::visit(
       [&](const auto& prototype) -> std::optional<ParameterValue> {
         using Kind = std::decay_t<decltype(prototype)>;
@@ -222,8 +211,7 @@ std::optional<std::string> ValueReader::text(const Subject& subject, const Node&
   const auto* given = node.as<std::string>();
   if (given == nullptr) return wrong_kind(subject, node);
   const auto& choices = subject.row.choices;
-  const bool free_text = choices.empty() && subject.row.later_choices.empty();
-  if (!free_text && !is_word(subject, node, *given, choices)) return std::nullopt;
+  if (!choices.empty() && !is_word(subject, node, *given, choices)) return std::nullopt;
   return *given;
 }
 
@@ -408,13 +396,12 @@ std::optional<WordOrNumbers> ValueReader::word_or_numbers(const Subject& subject
   }
   if (const auto* word = node.as<std::string>()) {
     const auto& choices = subject.row.choices;
-    const auto& later = subject.row.later_choices;
     const auto holds = [&word](const auto& words) {
       return std::find(words.begin(), words.end(), *word) != words.end();
     };
     // A misspelt word would otherwise be called an unknown parameter.
-    const bool meant_as_word = is_identifier(*word) && !parameters_.contains(*word) &&
-                               (holds(later) || nearest_name(*word, choices));
+    const bool meant_as_word =
+        is_identifier(*word) && !parameters_.contains(*word) && nearest_name(*word, choices);
     if (holds(choices) || meant_as_word) {
       if (!is_word(subject, node, *word, choices)) return std::nullopt;
       result.word = *word;
@@ -630,25 +617,16 @@ std::string other_name(std::string_view word, const std::vector<std::string>& wo
 bool ValueReader::is_word(const Subject& subject, const Node& node, const std::string& word,
                           const std::vector<std::string>& words) const {
   if (std::find(words.begin(), words.end(), word) != words.end()) return true;
-  const auto& later = subject.row.later_choices;
-  const ReservedKey* planned = planned_word(word);
-  const bool not_yet =
-      planned != nullptr || std::find(later.begin(), later.end(), word) != later.end();
   // Whoever names a system of units has numbers in it, and consistent ones are taken as they are.
-  if (!not_yet && subject.key == "scene.units") {
+  if (subject.key == "scene.units") {
     faults_.of_value(node, {FaultCode::scene_unknown_choice, subject.key, "no such choice",
                             "\"reduced\", for SI and any other consistent units, too, or "
                             "\"metal\": eV, Angstrom, ps, u, K"});
     return false;
   }
-  const FaultCode code =
-      not_yet ? FaultCode::scene_not_in_this_version : FaultCode::scene_unknown_choice;
-  const std::string why = planned   ? not_in_this_version(*planned)
-                          : not_yet ? kNotInThisVersion
-                                    : "no such choice";
-  const auto meant = not_yet ? std::nullopt : nearest_name(word, words);
-  faults_.of_value(node, {code, subject.key, why, admissible_values(subject.row),
-                          meant.value_or(not_yet ? "" : other_name(word, words))});
+  faults_.of_value(node, {FaultCode::scene_unknown_choice, subject.key, "no such choice",
+                          admissible_values(subject.row),
+                          nearest_name(word, words).value_or(other_name(word, words))});
   return false;
 }
 

@@ -138,13 +138,8 @@ std::vector<Method> methods_for(const Variants& variants) {
     for (const auto& integrator : variants.registry().integrators()) {
       if (integrator->follows_equilibria != (model.dynamics == Dynamics::quasistatic)) continue;
       if (is_for_noise(*integrator)) continue;
-      for (const NumberType number_type :
-           {NumberType::double_precision, NumberType::single_precision}) {
-        const bool in_float = number_type == NumberType::single_precision;
-        if (in_float && (!model.name.empty() || integrator->bind.in_float == nullptr)) continue;
-        methods.push_back(rung_of(scene, model, *integrator, number_type));
-        try_to_bind(variants, methods.back());
-      }
+      methods.push_back(rung_of(scene, model, *integrator, NumberType::double_precision));
+      try_to_bind(variants, methods.back());
     }
   }
   return methods;

@@ -24,7 +24,7 @@ constexpr auto word_table(Resolution) {
 }
 
 struct Method {
-  std::string name;   ///< "dopri5", "dopri5 in float", "rigid, overdamped, rk4"
+  std::string name;   ///< "dopri5", "rigid, overdamped, rk4"
   std::string model;  ///< what differs from the scene's equations, "rigid"; empty: nothing
   const IntegratorRecord* integrator = nullptr;
   NumberType number_type = NumberType::double_precision;
@@ -46,8 +46,8 @@ struct Method {
   std::vector<Setting> at(double resolution) const;
 };
 
-/// Every registered integrator on the scene as it is, each in double and in float, then the same
-/// on simpler models of it: flexible bodies held together by forces of their own taken as rigid;
+/// Every registered integrator on the scene as it is, in double precision, then the same on simpler
+/// models of it: flexible bodies held together by forces of their own taken as rigid;
 /// without inertia; following the equilibria. Methods that the scene refuses stay in the list, with
 /// the reason; the order is that of the registry. Binds the scene once for each method.
 std::vector<Method> methods_for(const Variants& variants);

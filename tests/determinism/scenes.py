@@ -216,7 +216,6 @@ every = {every}
 
 
 LEDGER = "ledger = true"
-FLOAT = 'number_type = "float"'
 QUADRUPLE = 'number_type = "quadruple"'
 PERTURB = "perturb = { size = 1e-9, repeats = 2 }\nseed = 5"
 OVERDAMPED = 'dynamics = "overdamped"'
@@ -228,21 +227,16 @@ SCENES = {
     "tip_adaptive": scene(TIP, DOPRI5, 60.0, 0.7, LEDGER),
     "tip_verlet": scene(TIP, VERLET, 30.0, 0.7),
     "tip_overdamped": scene(TIP, DOPRI5, 60.0, 0.7, OVERDAMPED),
-    "tip_float": scene(TIP, RK4.format(dt=1e-2), 30.0, 0.7, FLOAT),
     "tip_quadruple": scene(TIP, RK4.format(dt=2e-2), 2.0, 0.3, QUADRUPLE, LEDGER),
     "tip_perturbed": scene(TIP, DOPRI5, 20.0, 0.7, PERTURB),
     "chain_fixed_step": scene(CHAIN, RK4.format(dt=2e-2), 20.0, 0.7, LEDGER),
     "chain_verlet": scene(CHAIN, VERLET, 20.0, 0.7),
-    "chain_float_adaptive": scene(
-        CHAIN, DOPRI5.replace("1e-9", "1e-5"), 10.0, 0.7, FLOAT),
     "ring_rigid_adaptive": scene(RIGID, DOPRI5, 40.0, 0.7, LEDGER),
-    "ring_rigid_float": scene(RIGID, RK4.format(dt=1e-2), 10.0, 0.7, FLOAT),
     "ring_rigid_quadruple": scene(RIGID, DOPRI5, 1.0, 0.3, QUADRUPLE),
     "ring_flexible": scene(FLEXIBLE, RK4.format(dt=2e-3), 5.0, 0.7, LEDGER),
     "ring_flexible_adaptive": scene(FLEXIBLE, DOPRI5, 2.0, 0.7),
     "tip_eighth_order": scene(TIP, DOP853, 60.0, 0.7, LEDGER),
     "tip_memory": scene(TIP + MEMORY, RK4.format(dt=1e-2), 30.0, 0.7, LEDGER),
-    "tip_memory_float": scene(TIP + MEMORY, DOPRI5.replace("1e-9", "1e-5"), 10.0, 0.7, FLOAT),
     "ring_rigid_memory": scene(RIGID + MEMORY, DOPRI5, 20.0, 0.7, LEDGER),
     "tip_midpoint": scene(TIP, MIDPOINT, 30.0, 0.7),
     "ring_flexible_exponential": scene(FLEXIBLE, EXPONENTIAL, 10.0, 0.7, LEDGER),
@@ -252,8 +246,6 @@ SCENES = {
     "chain_implicit": scene(CHAIN, RADAU9, 20.0, 0.7),
     "ring_rigid_implicit": scene(RIGID, RADAU9, 40.0, 0.7, LEDGER),
     "surface": scene(SURFACE, DOPRI5, 20.0, 0.7, LEDGER),
-    "surface_float": scene(SURFACE, RK4.format(dt=1e-2), 10.0, 0.7, FLOAT),
     "surface_from_map": scene(MAP, DOPRI5, 20.0, 0.7, LEDGER),
-    "surface_from_map_float": scene(MAP, RK4.format(dt=1e-2), 10.0, 0.7, FLOAT),
     "two_bodies": scene(PUSHED, DOPRI5, 10.0, 0.7, LEDGER),
 }

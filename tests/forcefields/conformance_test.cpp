@@ -45,7 +45,6 @@ TEST(Conformance, EveryForceHasItsVerifiedProperties) {
   std::set<std::string> kinds;
   for (const auto& record : standard().forces()) {
     SCOPED_TRACE(record->name);
-    EXPECT_NE(record->bind.in_float, nullptr);
     EXPECT_NE(record->bind.in_quadruple, nullptr);
     Conformance check(*record);
     for (const std::uint64_t seed : kSeeds) check.examine_example(seed);

@@ -96,7 +96,7 @@ struct Looked {
   explicit Looked(const std::string& text) : model(scene_of(text)) {
     StateLayout layout;
     model.declare(layout);
-    state = RunState(layout, 1);
+    state = RunState(layout);
     model.attach(state);
     model.start();
   }

@@ -132,8 +132,7 @@ TEST_P(FormulaOfParticles, MovesEachAsOneAloneToTheLastBit) {
 /// A number that is typed is a constant of the formula, which is simplified with it.
 TEST_P(FormulaOfParticles, MovesEachAsOneAloneWithItsNumberTyped) {
   const auto [number_type, integrator] = GetParam();
-  // Some hundred steps of motions without chaos.
-  const double rounding = number_type == std::string("float") ? 1e-5 : 1e-12;
+  constexpr double kRounding = 1e-12;  // some hundred steps of motions without chaos
   for (const LawOfTips& law : laws_of_tips()) {
     SCOPED_TRACE(law.what);
     if (is_refused(law, integrator)) continue;
@@ -147,7 +146,7 @@ TEST_P(FormulaOfParticles, MovesEachAsOneAloneWithItsNumberTyped) {
       const auto expected = motion_of(alone, law.dimension, 1, 0);
       const auto found = motion_of(together, law.dimension, kTips, i);
       for (std::size_t k = 0; k < expected.size(); ++k) {
-        EXPECT_NEAR(found[k], expected[k], rounding);
+        EXPECT_NEAR(found[k], expected[k], kRounding);
       }
     }
   }
@@ -156,7 +155,6 @@ TEST_P(FormulaOfParticles, MovesEachAsOneAloneWithItsNumberTyped) {
 INSTANTIATE_TEST_SUITE_P(
     InEveryNumberType, FormulaOfParticles,
     testing::Values(WayOfComputing{"double", "{ type = \"rk4\", dt = 0.01 }"},
-                    WayOfComputing{"float", "{ type = \"rk4\", dt = 0.01 }"},
                     WayOfComputing{"quadruple", "{ type = \"rk4\", dt = 0.05 }"},
                     WayOfComputing{"double", "{ type = \"velocity_verlet\", dt = 0.01 }"}));
 

@@ -43,8 +43,6 @@ constexpr KernelTables tables_of(const TablesBySet<ElementTable<Real>>& sets) {
   KernelTables tables;
   if constexpr (std::is_same_v<Real, double>) {
     tables.in_double = sets;
-  } else if constexpr (std::is_same_v<Real, float>) {
-    tables.in_float = sets;
   } else {
     tables.in_quadruple = sets;
   }

@@ -137,9 +137,6 @@ TEST(PlantedFaults, LastBitOfAnInstructionSet) {
   if (!is_supported(InstructionSet::avx2)) GTEST_SKIP() << "only one instruction set here";
   EXPECT_CAUGHT("same bits", "sinusoidal_substrate",
                 (planted_by_set<SinusoidalSubstrate, OneBitOff, double>));
-  EXPECT_CAUGHT("same bits", "sinusoidal_substrate",
-                ForceFactories(planted<SinusoidalSubstrate>,
-                               planted_by_set<SinusoidalSubstrate, OneBitOff, float>));
 }
 
 TEST(PlantedFaults, HessianOff) {

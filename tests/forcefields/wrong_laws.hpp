@@ -81,7 +81,7 @@ std::unique_ptr<BoundForce<Real>> plain_bonds(const void* description,
 /// In double and quadruple precision, wrong in both.
 template <class Law>
 ForceFactories bonds_by() {
-  return {&plain_bonds<Law, double>, nullptr, &plain_bonds<Law, Quad>};
+  return {&plain_bonds<Law, double>, &plain_bonds<Law, Quad>};
 }
 
 /// The right one.

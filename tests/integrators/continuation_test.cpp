@@ -325,7 +325,7 @@ TEST(Quasistatic, TakesTheSchemeThatFollowsEquilibria) {
                    "\"inertial\"\nintegrator = { type = \"continuation\" }");
   EXPECT_EQ(brief_refusal(inertial),
             "19:23 run.integrator.type = \"continuation\" [integrator.unsuitable]");
-  EXPECT_THROW(run_text(text, {{"run.number_type", "\"float\""}}), InputError);
+  EXPECT_THROW(run_text(text, {{"run.number_type", "\"quadruple\""}}), InputError);
 }
 
 // ---- rings

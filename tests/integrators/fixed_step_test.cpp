@@ -17,8 +17,8 @@ namespace {
 template <class Tableau, class Real>
 constexpr FixedStepTable<Real> kFurther = FixedStepKernels<Tableau>::template kernels<Real>();
 template <class Tableau>
-constexpr TablesByType<FixedStepTable> kFurtherTables = {
-    {&kFurther<Tableau, double>}, {&kFurther<Tableau, float>}, {&kFurther<Tableau, Quad>}};
+constexpr TablesByType<FixedStepTable> kFurtherTables = {{&kFurther<Tableau, double>},
+                                                         {&kFurther<Tableau, Quad>}};
 
 template <class Tableau>
 IntegratorRecord further_record() {

@@ -384,9 +384,9 @@ TEST(Radau9, RefusesWhatItCannotDoByName) {
   EXPECT_NE(refusal(wide).find("800"), std::string::npos) << refusal(wide);
   EXPECT_EQ(refusal(RingScene{.count = 40, .integrator = implicit(1e-7)}.text()), "");
   TipScene tip;
-  tip.integrator = implicit(1e-7) + "\nnumber_type = \"float\"";
+  tip.integrator = implicit(1e-7) + "\nnumber_type = \"quadruple\"";
   EXPECT_EQ(brief_refusal(tip.text()),
-            "22:15 run.number_type = \"float\" [number_type.unsuitable]");
+            "22:15 run.number_type = \"quadruple\" [number_type.unsuitable]");
 }
 
 /// Its matrices would lack what such a force changes with velocity.

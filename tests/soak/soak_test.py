@@ -43,8 +43,8 @@ INTEGRATORS = (
     '{ type = "midpoint", dt = %g }', '{ type = "dopri5" }', '{ type = "dop853" }',
     '{ type = "radau9" }', '{ type = "euler", dt = %g }')
 SETTINGS = ("run.ledger=true", "run.ledger=false", "output.trajectory=true", "run.seed=7",
-            'run.number_type="float"', 'run.number_type="quadruple"', 'run.dynamics="overdamped"',
-            'run.dynamics="quasistatic"', "run.allow_unstable=true", "run.accuracy=1e-3",
+            'run.number_type="quadruple"', 'run.dynamics="overdamped"', 'run.dynamics="quasistatic"',
+            "run.allow_unstable=true", "run.accuracy=1e-3",
             "run.perturb={ size = 1e-9, repeats = 2 }", "output.every=0.37",
             "measure.from=0", 'output.trajectory_format="xyz"')
 NUMBER = re.compile(r"(?<![\w.\"])[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?(?![\w.\"])")

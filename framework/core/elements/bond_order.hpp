@@ -388,7 +388,6 @@ std::unique_ptr<BoundForce<Real>> bind_bond_order(const typename E::Description&
 template <class E, const BondOrderTables& tables>
 ForceFactories on_bond_orders() {
   return {of_description<&bind_bond_order<E, tables, double>>,
-          of_description<&bind_bond_order<E, tables, float>>,
           of_description<&bind_bond_order<E, tables, Quad>>};
 }
 

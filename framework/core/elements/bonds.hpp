@@ -138,7 +138,6 @@ template <class E, const KernelTables& tables, int rank = kRankPairs,
           PairImages images = PairImages::kept>
 ForceFactories on_bonds() {
   return {of_description<&bind_on_pairs<E, tables, rank, images, double>>,
-          of_description<&bind_on_pairs<E, tables, rank, images, float>>,
           of_description<&bind_on_pairs<E, tables, rank, images, Quad>>};
 }
 

@@ -326,18 +326,4 @@ std::unique_ptr<BoundForce<Real>> bind_within_cutoff(const typename E::Descripti
   });
 }
 
-template <class E>
-std::vector<Complaint> cutoff_complaints_of(const typename E::Description& d,
-                                            const SceneOutline& scene) {
-  return cutoff_complaints("cutoff", E::cutoff(d), scene);
-}
-
-/// The binding of a pair potential with a cutoff, in every number type.
-template <class E, const CutoffPairTables& tables, int rank = kRankPairs>
-ForceFactories within_cutoff() {
-  return {of_description<&bind_within_cutoff<E, tables, rank, double>>,
-          of_description<&bind_within_cutoff<E, tables, rank, float>>,
-          of_description<&bind_within_cutoff<E, tables, rank, Quad>>};
-}
-
 }  // namespace tomlin

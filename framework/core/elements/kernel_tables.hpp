@@ -28,15 +28,12 @@ struct TablesBySet {
 template <template <class Real> class Table>
 struct TablesByType {
   TablesBySet<Table<double>> in_double;
-  TablesBySet<Table<float>> in_float;
   TablesBySet<Table<Quad>> in_quadruple;
 
   template <class Real>
   const Table<Real>& on(InstructionSet set) const {
     if constexpr (std::is_same_v<Real, double>) {
       return in_double.on(set);
-    } else if constexpr (std::is_same_v<Real, float>) {
-      return in_float.on(set);
     } else {
       return in_quadruple.on(set);
     }
@@ -59,14 +56,7 @@ using KernelTables = TablesByType<ElementTable>;
 #else
 #define TOMLIN_TABLE_AVX512(table) nullptr
 #endif
-// Number types that a plugin leaves out (cmake/TomlinPlugin.cmake): it is not run in them.
-#if defined(TOMLIN_WITHOUT_FLOAT)
-#define TOMLIN_TABLES_FLOAT(baseline, avx2, avx512) \
-  {}
-#else
-#define TOMLIN_TABLES_FLOAT(baseline, avx2, avx512) \
-  { &baseline, TOMLIN_TABLE_AVX2(avx2), TOMLIN_TABLE_AVX512(avx512) }
-#endif
+// A plugin without quadruple precision (cmake/TomlinPlugin.cmake) is not run in it.
 #if defined(TOMLIN_WITHOUT_QUAD)
 #define TOMLIN_TABLES_QUAD(baseline) \
   {}
@@ -87,19 +77,15 @@ using KernelTables = TablesByType<ElementTable>;
                                               TOMLIN_TABLE_AVX2(Name##_double_avx2),      \
                                               TOMLIN_TABLE_AVX512(Name##_double_avx512)}; \
   }
-#define TOMLIN_DECLARE_TABLES(Name, Table)                                                \
-  namespace tomlin::kernels {                                                             \
-  extern const Table<double> Name##_double_baseline;                                      \
-  extern const Table<double> Name##_double_avx2;                                          \
-  extern const Table<double> Name##_double_avx512;                                        \
-  extern const Table<float> Name##_float_baseline;                                        \
-  extern const Table<float> Name##_float_avx2;                                            \
-  extern const Table<float> Name##_float_avx512;                                          \
-  extern const Table<Quad> Name##_Quad_baseline;                                          \
-  inline constexpr TablesByType<Table> Name = {                                           \
-      {&Name##_double_baseline, TOMLIN_TABLE_AVX2(Name##_double_avx2),                    \
-       TOMLIN_TABLE_AVX512(Name##_double_avx512)},                                        \
-      TOMLIN_TABLES_FLOAT(Name##_float_baseline, Name##_float_avx2, Name##_float_avx512), \
-      TOMLIN_TABLES_QUAD(Name##_Quad_baseline)};                                          \
+#define TOMLIN_DECLARE_TABLES(Name, Table)                             \
+  namespace tomlin::kernels {                                          \
+  extern const Table<double> Name##_double_baseline;                   \
+  extern const Table<double> Name##_double_avx2;                       \
+  extern const Table<double> Name##_double_avx512;                     \
+  extern const Table<Quad> Name##_Quad_baseline;                       \
+  inline constexpr TablesByType<Table> Name = {                        \
+      {&Name##_double_baseline, TOMLIN_TABLE_AVX2(Name##_double_avx2), \
+       TOMLIN_TABLE_AVX512(Name##_double_avx512)},                     \
+      TOMLIN_TABLES_QUAD(Name##_Quad_baseline)};                       \
   }
 #define TOMLIN_DECLARE_KERNELS(Evaluator) TOMLIN_DECLARE_TABLES(Evaluator, ElementTable)

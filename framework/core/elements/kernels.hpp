@@ -619,7 +619,7 @@ constexpr auto kernel_table() {
 #define TOMLIN_JOIN3(a, b, c) TOMLIN_JOIN3_(a, b, c)
 
 /// In a kernel file, which is compiled once per number type and instruction set: define the
-/// evaluator's table. `type` names the number type: double, float or Quad.
+/// evaluator's table. `type` names the number type: double or Quad.
 #define TOMLIN_DEFINE_KERNELS(Evaluator, type)                                         \
   namespace tomlin::kernels {                                                          \
   extern const decltype(kernel_table<Evaluator, type>()) TOMLIN_JOIN3(Evaluator, type, \

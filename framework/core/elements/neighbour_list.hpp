@@ -25,7 +25,7 @@ namespace tomlin {
 
 /// The skin, in parts of the cutoff.
 inline constexpr double kSkin = 0.15;
-/// Of the reach, kept for the rounding of distances in numbers of type float.
+/// This part of the reach is kept for the rounding of distances.
 inline constexpr double kReachMargin = 1e-4;
 
 /// Skins of a dual list, in parts of the cutoff: the outer and the inner one. An outer list lasts

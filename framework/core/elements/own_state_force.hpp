@@ -72,7 +72,6 @@ std::unique_ptr<BoundForce<Real>> bind_with_state(const typename E::Description&
 template <class E, const KernelTables& tables, int rank = kRankCheap>
 ForceFactories on_particles_with_state() {
   return {of_description<&bind_with_state<E, tables, rank, double>>,
-          of_description<&bind_with_state<E, tables, rank, float>>,
           of_description<&bind_with_state<E, tables, rank, Quad>>};
 }
 

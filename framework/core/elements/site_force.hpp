@@ -509,7 +509,6 @@ std::unique_ptr<BoundForce<Real>> bind_on_particles(const typename E::Descriptio
 template <class E, const KernelTables& tables, int rank = kRankCheap>
 ForceFactories on_particles() {
   return {of_description<&bind_on_particles<E, tables, rank, double>>,
-          of_description<&bind_on_particles<E, tables, rank, float>>,
           of_description<&bind_on_particles<E, tables, rank, Quad>>};
 }
 

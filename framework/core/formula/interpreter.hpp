@@ -37,14 +37,7 @@ struct Numbers {
 
 /// Turns from which on their sine is none: `sin_turns` is exact below, and beyond the phase of most
 /// numbers is lost. On every instruction set the same.
-template <class Real>
-inline constexpr Real kMostTurns = [] {
-  if constexpr (std::is_same_v<Real, Quad>) {
-    return Quad(0x1p50);
-  } else {
-    return math_detail::power_of_two<Real>(math_detail::Fit<Real>::kFractionBits - 2);
-  }
-}();
+inline constexpr double kMostTurns = 0x1p50;
 
 template <class T, class Real>
 TOMLIN_INLINE T no_number() {
@@ -184,7 +177,7 @@ __attribute__((noinline)) void run_steps(const FormulaStep<Real>* code, std::siz
         break;
       case FormulaOp::phase:
         of_one([](const T& x) {
-          return select(abs(x) < T(kMostTurns<Real>), x, no_number<T, Real>());
+          return select(abs(x) < T(Real(kMostTurns)), x, no_number<T, Real>());
         });
         break;
       case FormulaOp::where_finite:

@@ -93,8 +93,7 @@ struct Dual {
     return r;
   }
 
-  // Constants get their own operators: multiplying their zero derivatives would not be free. They
-  // become a T first, so that a float has the bits of a lane of a FloatPack.
+  // Constants get their own operators: multiplying their zero derivatives would not be free.
   template <ConstantFor<T> S>
   TOMLIN_INLINE friend Dual operator+(const Dual& a, const S& b) {
     Dual r = a;

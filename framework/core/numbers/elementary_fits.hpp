@@ -1,4 +1,4 @@
-// The polynomials and constants of the elementary functions, for double and for float.
+// The polynomials and constants of the elementary functions.
 //
 // The polynomials are least-squares fits at Chebyshev points on the reduced interval, computed
 // with 60 to 90 decimal digits. Coefficients were rounded one at a time, lowest power first, and
@@ -14,11 +14,7 @@ namespace tomlin {
 inline namespace TOMLIN_TARGET {
 namespace math_detail {
 
-template <class Real>
-struct Fit;
-
-template <>
-struct Fit<double> {
+struct Fit {
   using Bits = std::uint64_t;
   static constexpr int kFractionBits = 52, kBias = 1023;
   static constexpr double kSmallestNormal = 0x1p-1022;
@@ -57,33 +53,6 @@ struct Fit<double> {
   static constexpr double kLogTail[8] = {
       0x1.9999999999995p-3, 0x1.2492492493150p-3, 0x1.c71c71c56444fp-4, 0x1.745d183dec639p-4,
       0x1.3b135fff863dfp-4, 0x1.112112a7d433ep-4, 0x1.de26213628c94p-5, 0x1.eb76255ddc6b8p-5};
-};
-
-template <>
-struct Fit<float> {
-  using Bits = std::uint32_t;
-  static constexpr int kFractionBits = 23, kBias = 127;
-  static constexpr float kSmallestNormal = 0x1p-126f;
-  static constexpr Bits kRootHalf = 0x3f3504f3;
-  static constexpr float kExpHighest = 89.0f, kExpLowest = -104.0f;
-
-  static constexpr float kLog2E = 0x1.715476p+0f;
-  static constexpr float kLn2High = 0x1.62e430p-1f;
-  static constexpr float kLn2Low = -0x1.05c610p-29f;
-  static constexpr float kLn2Short = 0x1.62e400p-1f;
-  static constexpr float kLn2Rest = 0x1.7f7d1cp-20f;
-
-  // The functions of the same names above, with |r| <= 1.001 ln(2) / 2 for the exponential. Errors:
-  // sine 4.9e-9, cosine 1.2e-9, exp(r) 1.3e-10 relative, 2 atanh(s)/s 1.6e-9.
-  static constexpr float kSin0 = 0x1.921fb6p+2f, kSin1 = -0x1.4abbe2p+5f;
-  static constexpr float kSin[4] = {0x1.466e7ep+6f, -0x1.332768p+6f, 0x1.59c232p+5f,
-                                    -0x1.4e33e6p+4f};
-  static constexpr float kCos1 = -0x1.3bd3ccp+4f;
-  static constexpr float kCos[4] = {0x1.03c1d8p+6f, -0x1.55ce5cp+6f, 0x1.e0dbdep+5f,
-                                    -0x1.8c0b50p+4f};
-  static constexpr float kExp[6] = {0x1.000000p-1f, 0x1.555552p-3f,  0x1.5554e4p-5f,
-                                    0x1.1115bap-7f, 0x1.6d5162p-10f, 0x1.9a8be2p-13f};
-  static constexpr float kLog[3] = {0x1.55557ap-1f, 0x1.995ed8p-2f, 0x1.31e03cp-2f};
 };
 
 }  // namespace math_detail

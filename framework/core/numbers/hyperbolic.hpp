@@ -21,11 +21,7 @@ inline namespace TOMLIN_TARGET {
 namespace math_detail {
 
 // How polynomials were found is said in elementary_fits.hpp.
-template <class Real>
-struct HyperbolicFit;
-
-template <>
-struct HyperbolicFit<double> {
+struct HyperbolicFit {
   // (sinh(u) / u - 1) / u^2 in z = u^2, |u| <= 1; relative error of sinh 3.1e-19.
   static constexpr double kSinh[7] = {
       0x1.5555555555556p-3,  0x1.1111111111040p-7,  0x1.a01a01a0318d3p-13, 0x1.71de3a4056daap-19,
@@ -37,18 +33,6 @@ struct HyperbolicFit<double> {
       -0x1.e7fcf7b74986bp-13, 0x1.594e385ff96a7p-14, -0x1.3cd4e90c7b026p-16};
 };
 
-template <>
-struct HyperbolicFit<float> {
-  // Relative errors of sinh 3.6e-10, of tanh 1.4e-10.
-  static constexpr float kSinh[4] = {0x1.555556p-3f, 0x1.1110eap-7f, 0x1.a01c22p-13f,
-                                     0x1.76771ep-19f};
-  static constexpr float kTanh[6] = {-0x1.555554p-2f, 0x1.111096p-3f,  -0x1.b9fb18p-5f,
-                                     0x1.6434a6p-6f,  -0x1.0fdbfep-7f, 0x1.29a464p-9f};
-};
-
-template <class T>
-using HyperbolicFitOf = HyperbolicFit<Scalar<T>>;
-
 // u + u z (f(u)/u - 1)/z, z = u^2: of an odd function near zero.
 template <class T, class Real, int n>
 TOMLIN_INLINE T odd_series(T u, const Real (&c)[n]) {
@@ -59,7 +43,7 @@ TOMLIN_INLINE T odd_series(T u, const Real (&c)[n]) {
 // exp(x) / 2 for x >= 0, as exp(x - ln 2): finite as long as cosh is.
 template <class T>
 TOMLIN_INLINE T half_exp(T x) {
-  using F = FitOf<T>;
+  using F = Fit;
   const T high(F::kLn2High);
   const T reduced = x - high;
   // What the difference has lost.
@@ -79,7 +63,7 @@ template <class T>
 TOMLIN_INLINE T sinh_of(T x) {
   const T magnitude = abs(x);
   const T half = half_exp(magnitude);
-  const T near = odd_series(magnitude, HyperbolicFitOf<T>::kSinh);
+  const T near = odd_series(magnitude, HyperbolicFit::kSinh);
   return copysign(select(magnitude < T(1.0), near, half - T(0.25) / half), x);
 }
 
@@ -87,14 +71,14 @@ TOMLIN_INLINE T sinh_of(T x) {
 template <class T>
 TOMLIN_INLINE T tanh_of(T x) {
   const T magnitude = abs(x);
-  const T near = odd_series(magnitude, HyperbolicFitOf<T>::kTanh);
+  const T near = odd_series(magnitude, HyperbolicFit::kTanh);
   const T far = T(1.0) - T(2.0) / (exp_of(T(2.0) * magnitude) + T(1.0));
   return copysign(select(magnitude < T(0.5625), near, far), x);
 }
 
 }  // namespace math_detail
 
-// Errors in double, and in float: sinh 1.6 ulp, cosh 1.2, tanh 1.7; subnormal arguments included.
+// Errors: sinh 1.6 ulp, cosh 1.2, tanh 1.7; subnormal arguments included.
 // sinh and cosh are infinite from where the exact value overflows. Of a NaN all are NaNs.
 //
 // sign(0) = 0, unit_step(x) is 0 below 0 and 1 from there on.
@@ -103,9 +87,7 @@ TOMLIN_INLINE T tanh_of(T x) {
   TOMLIN_INLINE T cosh(T x) { return math_detail::cosh_of(x); } \
   TOMLIN_INLINE T tanh(T x) { return math_detail::tanh_of(x); }
 TOMLIN_HYPERBOLIC(double)
-TOMLIN_HYPERBOLIC(float)
 TOMLIN_HYPERBOLIC(Pack)
-TOMLIN_HYPERBOLIC(FloatPack)
 #undef TOMLIN_HYPERBOLIC
 
 // 1 / cosh(x)^2, the slope of tanh: unlike 1 - tanh(x)^2 it keeps its digits far away.

@@ -27,11 +27,7 @@ inline namespace TOMLIN_TARGET {
 namespace math_detail {
 
 // Polynomials and constants; how they were found is said in elementary_fits.hpp.
-template <class Real>
-struct InverseFit;
-
-template <>
-struct InverseFit<double> {
+struct InverseFit {
   // pi/4 = kEighthTurn + kEighthTurnRest; kEighthTurn times 3 is exact.
   static constexpr double kEighthTurn = 0x1.921fb54442d18p-1;
   static constexpr double kEighthTurnRest = 0x1.1a62633145c07p-55;
@@ -48,25 +44,11 @@ struct InverseFit<double> {
       0x1.0ac783d4e1577p-5};
 };
 
-template <>
-struct InverseFit<float> {
-  // Errors of atan(u)/u 3.5e-10, of asin(s)/s 3.0e-10.
-  static constexpr float kEighthTurn = 0x1.921fb0p-1f;
-  static constexpr float kEighthTurnRest = 0x1.5110b4p-23f;
-  static constexpr float kAtan[6] = {-0x1.555550p-2f, 0x1.99968ep-3f,  -0x1.2444d8p-3f,
-                                     0x1.bfcdb0p-4f,  -0x1.45e05cp-4f, 0x1.3a44c2p-5f};
-  static constexpr float kAsin[6] = {0x1.55554cp-3f, 0x1.33389ap-4f, 0x1.6caba0p-5f,
-                                     0x1.04a60cp-5f, 0x1.d82adcp-7f, 0x1.339b94p-5f};
-};
-
-template <class T>
-using InverseFitOf = InverseFit<Scalar<T>>;
-
 // n pi / 4 + (main + tail), n = 0 to 4, |main| <= 1 and tail far below it; rounded hardly more than
 // once.
 template <class T>
 TOMLIN_INLINE T plus_eighth_turns(T n, T main, T tail) {
-  using F = InverseFitOf<T>;
+  using F = InverseFit;
   const T base = n * T(F::kEighthTurn);
   const T sum = base + main;
   const T rest = (base - sum) + main;
@@ -76,7 +58,7 @@ TOMLIN_INLINE T plus_eighth_turns(T n, T main, T tail) {
 // (atan(u) / u - 1) / z, z = u^2.
 template <class T>
 TOMLIN_INLINE T arctangent_series(T z) {
-  return estrin(z, z * z, InverseFitOf<T>::kAtan);
+  return estrin(z, z * z, InverseFit::kAtan);
 }
 
 // The angle of (x, y) for x, y >= 0, and pi less that where `mirrored`; a NaN where both are
@@ -106,14 +88,13 @@ TOMLIN_INLINE T atan_of(T x) {
 
 template <class T>
 TOMLIN_INLINE T atan2_of(T y, T x) {
-  using Real = Scalar<T>;
-  constexpr int bias = FitOf<T>::kBias, digits = FitOf<T>::kFractionBits;
+  constexpr int bias = Fit::kBias, digits = Fit::kFractionBits;
   T ax = abs(x), ay = abs(y);
   // Away from overflow and from subnormal numbers, whose ratio decides as well.
   const T largest = max(ax, ay);
-  const T grown = select(largest < T(power_of_two<Real>(2 - bias + digits)),
-                         T(power_of_two<Real>(2 * digits)), T(1.0));
-  const T scale = select(largest > T(power_of_two<Real>(bias - 2)), T(Real(0.125)), grown);
+  const T grown =
+      select(largest < T(power_of_two(2 - bias + digits)), T(power_of_two(2 * digits)), T(1.0));
+  const T scale = select(largest > T(power_of_two(bias - 2)), T(0.125), grown);
   // Two equal ones are as good as two ones, infinities too; beside a zero any x will do.
   const Mask<T> equal = ax == ay;
   ay = select(equal, select(largest == T(0.0), T(0.0), T(1.0)), ay * scale);
@@ -136,7 +117,7 @@ struct HalfArc {
   // n pi / 4 + factor asin(s).
   TOMLIN_INLINE T angle(T n, T factor) const {
     const T main = factor * s;
-    return plus_eighth_turns(n, main, main * z * estrin(z, z * z, InverseFitOf<T>::kAsin));
+    return plus_eighth_turns(n, main, main * z * estrin(z, z * z, InverseFit::kAsin));
   }
 };
 
@@ -171,7 +152,7 @@ TOMLIN_INLINE T floor_of(T x) {
 
 }  // namespace math_detail
 
-// Errors in double, and in float: atan 1.5 ulp, atan2 1.6, asin 1.2, acos 1.2; subnormal arguments
+// Errors: atan 1.5 ulp, atan2 1.6, asin 1.2, acos 1.2; subnormal arguments
 // and results included. Zeros and infinities as in C: atan2(y, x) is in [-pi, pi], with the sign of
 // y, and atan2(0, 0) = 0; asin and acos of |x| > 1 are NaNs.
 //
@@ -185,9 +166,7 @@ TOMLIN_INLINE T floor_of(T x) {
   TOMLIN_INLINE T tan_turns(T x) { return math_detail::tan_turns_of(x); } \
   TOMLIN_INLINE T floor(T x) { return math_detail::floor_of(x); }
 TOMLIN_INVERSE_TRIGONOMETRY(double)
-TOMLIN_INVERSE_TRIGONOMETRY(float)
 TOMLIN_INVERSE_TRIGONOMETRY(Pack)
-TOMLIN_INVERSE_TRIGONOMETRY(FloatPack)
 #undef TOMLIN_INVERSE_TRIGONOMETRY
 
 // ---------------------------------------------------------------------------------------------

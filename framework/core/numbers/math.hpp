@@ -1,9 +1,9 @@
-// Elementary functions for double, float and their packs, with the same bits in every lane of every
+// Elementary functions for double and its packs, with the same bits in every lane of every
 // target. libm is not used: it differs between machines and versions.
 //
 //   sin_turns(x) = sin(2 pi x), cos_turns, sincos_turns; exp, log, pow; sqrt is in pack.hpp.
 //
-// One way of evaluation serves both precisions; the polynomials are in elementary_fits.hpp.
+// The polynomials are in elementary_fits.hpp.
 #pragma once
 
 #include "framework/core/numbers/elementary_fits.hpp"
@@ -16,21 +16,11 @@ namespace math_detail {
 inline constexpr double kInfinity = __builtin_inf();
 inline constexpr double kNan = __builtin_nan("");
 
-// The fits and constants of the scalar that T is made of.
-template <class T>
-using FitOf = Fit<Scalar<T>>;
-
-template <class Real>
-constexpr Real power_of_two(int n) {
-  using Bits = typename Fit<Real>::Bits;
-  // Modulo the range of Bits: n may be negative, the sum is not.
-  const Bits exponent = static_cast<Bits>(n) + static_cast<Bits>(Fit<Real>::kBias);
-  return __builtin_bit_cast(Real, static_cast<Bits>(exponent << Fit<Real>::kFractionBits));
+constexpr double power_of_two(int n) {
+  return __builtin_bit_cast(double, static_cast<Fit::Bits>(n + Fit::kBias) << Fit::kFractionBits);
 }
-// The low bits of a number near 1.5 2^52 (2^23 for float) are an integer; adding and subtracting it
-// rounds to one.
-template <class Real>
-inline constexpr Real kIntegerShift = Real(1.5) * power_of_two<Real>(Fit<Real>::kFractionBits);
+// The low bits of a number near 1.5 2^52 are an integer; adding and subtracting it rounds to one.
+inline constexpr double kIntegerShift = 0x1.8p52;
 
 // c[0] + c[1] z + ... + c[n-1] z^(n-1), from c[first] on; z2 = z^2.
 //
@@ -54,18 +44,17 @@ TOMLIN_INLINE T estrin(T z, T z2, const Real (&c)[n]) {
 
 // x = rest + n / 2 with |rest| <= 1/4, n = round(2 x), halves to the even one.
 //
-// Adding 1.5 * 2^51 leaves one fraction bit, and in it the parity of n. Exact for |x| <= 2^50 (2^21
-// for float); beyond, where the phase means nothing, results stay finite but may be wrong. This is
-// 20 % faster in latency than the rounding instruction, and 6 % than twice its range would be.
-template <class T>
-inline constexpr Scalar<T> kTurnShift = kIntegerShift<Scalar<T>> / 2;
+// Adding 1.5 * 2^51 leaves one fraction bit, and in it the parity of n. Exact for |x| <= 2^50;
+// beyond, where the phase means nothing, results stay finite but may be wrong. This is 20 % faster
+// in latency than the rounding instruction, and 6 % than twice its range would be.
+inline constexpr double kTurnShift = kIntegerShift / 2;
 
 template <class T>
 TOMLIN_INLINE T half_turn_rest(T x, T shifted) {
-  return x - (shifted - T(kTurnShift<T>));
+  return x - (shifted - T(kTurnShift));
 }
 template <class T>
-TOMLIN_INLINE T finite_or_nan(Scalar<T> coefficient, T) {
+TOMLIN_INLINE T finite_or_nan(double coefficient, T) {
   return T(coefficient);
 }
 #if TOMLIN_TARGET_IS_AVX512
@@ -87,13 +76,10 @@ TOMLIN_INLINE Pack finite_or_nan(double coefficient, Pack shifted) {
 
 template <class T>
 struct HalfTurns {
-  using F = FitOf<T>;
+  using F = Fit;
   T shifted, rest, z, z2;
   TOMLIN_INLINE explicit HalfTurns(T x)
-      : shifted(x + T(kTurnShift<T>)),
-        rest(half_turn_rest(x, shifted)),
-        z(rest * rest),
-        z2(z * z) {}
+      : shifted(x + T(kTurnShift)), rest(half_turn_rest(x, shifted)), z(rest * rest), z2(z * z) {}
 
   // The two leading terms are kept apart from the rest, which is small: its rounding hardly shows.
   TOMLIN_INLINE T sine() const {
@@ -102,15 +88,14 @@ struct HalfTurns {
     return with_parity(fma(rest * z2, estrin(z, z2, F::kSin), leading));
   }
   TOMLIN_INLINE T cosine() const {
-    const T leading = fma(z, T(F::kCos1), finite_or_nan(Scalar<T>(1), shifted));
+    const T leading = fma(z, T(F::kCos1), finite_or_nan(1.0, shifted));
     return with_parity(fma(z2, estrin(z, z2, F::kCos), leading));
   }
 
  private:
   // The parity of n is the lowest bit of shifted; moved to the top it flips the sign.
   TOMLIN_INLINE T with_parity(T value) const {
-    constexpr int sign_bit = 8 * sizeof(typename F::Bits) - 1;
-    return bits_xor(value, bits_shift_left<sign_bit>(shifted));
+    return bits_xor(value, bits_shift_left<63>(shifted));
   }
 };
 
@@ -124,8 +109,8 @@ struct PowerOfTwo {
   T first, second;
   TOMLIN_INLINE explicit PowerOfTwo(T n) {
     // The added bias makes an exponent of the integer in the low bits.
-    using F = FitOf<T>;
-    constexpr auto shift = kIntegerShift<Scalar<T>> + F::kBias;
+    using F = Fit;
+    constexpr auto shift = kIntegerShift + F::kBias;
     const T half = fma(n, T(0.5), T(shift));
     const T other = (n - (half - T(shift))) + T(shift);
     first = bits_shift_left<F::kFractionBits>(half);
@@ -147,10 +132,6 @@ TOMLIN_INLINE T scaled_sum(T r2, T q, T low, T high, T n) {
 TOMLIN_INLINE Pack scaled_sum(Pack r2, Pack q, Pack high, Pack n) {
   return Pack(pack_detail::Part{_mm512_scalef_pd(fma(r2, q, high).v.raw, n.v.raw)});
 }
-TOMLIN_INLINE FloatPack scaled_sum(FloatPack r2, FloatPack q, FloatPack high, FloatPack n) {
-  return FloatPack(
-      hn::Vec<pack_detail::FloatTag>{_mm256_scalef_ps(fma(r2, q, high).v.raw, n.v.raw)});
-}
 TOMLIN_INLINE Pack scaled_sum(Pack r2, Pack q, Pack low, Pack high, Pack n) {
   return Pack(pack_detail::Part{_mm512_scalef_pd((fma(r2, q, low) + high).v.raw, n.v.raw)});
 }
@@ -159,21 +140,21 @@ TOMLIN_INLINE Pack scaled_sum(Pack r2, Pack q, Pack low, Pack high, Pack n) {
 // Out here exp(x) is 0 or infinity for certain, and what was computed may be meaningless.
 template <class T>
 TOMLIN_INLINE T exp_range(T x, T y) {
-  using F = FitOf<T>;
+  using F = Fit;
   return select(x > T(F::kExpHighest), T(kInfinity), select(x < T(F::kExpLowest), T(0.0), y));
 }
 
 // round(x / ln 2).
 template <class T>
 TOMLIN_INLINE T octaves(T x) {
-  constexpr auto shift = kIntegerShift<Scalar<T>>;
-  return fma(x, T(FitOf<T>::kLog2E), T(shift)) - T(shift);
+  constexpr auto shift = kIntegerShift;
+  return fma(x, T(Fit::kLog2E), T(shift)) - T(shift);
 }
 
 // exp(x) = 2^n exp(r), n = round(x / ln 2).
 template <class T>
 TOMLIN_INLINE T exp_of(T x) {
-  using F = FitOf<T>;
+  using F = Fit;
   const T n = octaves(x);
   const T r = fnma(n, T(F::kLn2Low), fnma(n, T(F::kLn2High), x));
   const T r2 = r * r;
@@ -183,7 +164,7 @@ TOMLIN_INLINE T exp_of(T x) {
 // exp(x + tail) for a tail far below x, with hardly more than the one rounding at the end.
 template <class T>
 TOMLIN_INLINE T exp_of(T x, T tail) {
-  using F = FitOf<T>;
+  using F = Fit;
   const T n = octaves(x);
   const T r_high = fnma(n, T(F::kLn2High), x);
   const T r_low = fnma(n, T(F::kLn2Low), tail);
@@ -199,28 +180,27 @@ template <class T>
 struct Octave {
   T exponent, f;
   TOMLIN_INLINE explicit Octave(T x) {
-    using F = FitOf<T>;
-    using Real = Scalar<T>;
-    using Bits = typename F::Bits;
+    using F = Fit;
+    using Bits = F::Bits;
     constexpr int lift = F::kFractionBits + 2;
-    constexpr Real integers = power_of_two<Real>(F::kFractionBits);
+    constexpr double integers = power_of_two(F::kFractionBits);
     const Mask<T> subnormal = x < T(F::kSmallestNormal);
-    const T normal = select(subnormal, x * T(power_of_two<Real>(lift)), x);
+    const T normal = select(subnormal, x * T(power_of_two(lift)), x);
     const T bias = select(subnormal, T(integers + F::kBias + lift), T(integers + F::kBias));
     // Shifting the pattern from sqrt(1/2) to 1 makes the exponent field turn over at sqrt(2).
-    constexpr Bits one = __builtin_bit_cast(Bits, Real(1));
+    constexpr Bits one = __builtin_bit_cast(Bits, 1.0);
     constexpr Bits fraction_bits = (Bits{1} << F::kFractionBits) - 1;
-    const T turned = bits_add(normal, T(__builtin_bit_cast(Real, one - F::kRootHalf)));
+    const T turned = bits_add(normal, T(__builtin_bit_cast(double, one - F::kRootHalf)));
     exponent = bits_or(bits_shift_right<F::kFractionBits>(turned), T(integers)) - bias;
-    const T fraction = bits_and(turned, T(__builtin_bit_cast(Real, fraction_bits)));
-    f = bits_add(fraction, T(__builtin_bit_cast(Real, F::kRootHalf))) - T(1.0);
+    const T fraction = bits_and(turned, T(__builtin_bit_cast(double, fraction_bits)));
+    f = bits_add(fraction, T(__builtin_bit_cast(double, F::kRootHalf))) - T(1.0);
   }
 };
 
 template <class T>
 TOMLIN_INLINE T log_of(T x) {
   // log(1 + f) = 2 atanh(s), s = f / (2 + f), arranged around f and f^2 / 2, the bulk of it.
-  using F = FitOf<T>;
+  using F = Fit;
   const Octave<T> octave(x);
   const T f = octave.f, k = octave.exponent;
   const T s = f / (T(2.0) + f);
@@ -233,12 +213,12 @@ TOMLIN_INLINE T log_of(T x) {
   return select(x > T(0.0), finite, select(x == T(0.0), T(-kInfinity), T(kNan)));
 }
 
-// log(x) = hi + lo to about 2^-63 relative, for finite x > 0; doubles only.
+// log(x) = hi + lo to about 2^-63 relative, for finite x > 0.
 template <class T>
 struct LongLog {
   T hi, lo;
   TOMLIN_INLINE explicit LongLog(T x) {
-    using F = FitOf<T>;
+    using F = Fit;
     constexpr double third_high = 0x1.5555555555555p-2, third_low = 0x1.5555555555555p-56;
     const Octave<T> octave(x);
     const T f = octave.f, k = octave.exponent;
@@ -297,12 +277,6 @@ TOMLIN_INLINE T pow_of(T x, T y) {
   return signed_power(x, y, r);
 }
 
-// The same with a relative error of 2^-45, enough for a float, in less time.
-template <class T>
-TOMLIN_INLINE T short_pow_of(T x, T y) {
-  return signed_power(x, y, exp_of(y * log_of(abs(x))));
-}
-
 }  // namespace math_detail
 
 // sin(2 pi x) and cos(2 pi x) for |x| <= 2^50: absolute error below 2.5e-16 and 1.6e-16, relative
@@ -331,40 +305,6 @@ TOMLIN_INLINE void sincos_turns(Pack x, Pack& s, Pack& c) {
 TOMLIN_INLINE Pack exp(Pack x) { return math_detail::exp_of(x); }
 TOMLIN_INLINE Pack log(Pack x) { return math_detail::log_of(x); }
 TOMLIN_INLINE Pack pow(Pack x, Pack y) { return math_detail::pow_of(x, y); }
-
-// float: for |x| <= 2^21, absolute error of the sine and cosine below 1.3e-7 and 8e-8, relative
-// error of the sine near x = 0 about 2 ulp.
-TOMLIN_INLINE float sin_turns(float x) { return math_detail::HalfTurns<float>(x).sine(); }
-TOMLIN_INLINE float cos_turns(float x) { return math_detail::HalfTurns<float>(x).cosine(); }
-TOMLIN_INLINE void sincos_turns(float x, float& s, float& c) {
-  const math_detail::HalfTurns<float> half(x);
-  s = half.sine();
-  c = half.cosine();
-}
-// Errors: exp 1.3 ulp, log 0.9 ulp, subnormals included. A logarithm in float would leave pow no
-// digits for large exponents, so pow goes through double: 0.501 ulp.
-TOMLIN_INLINE float exp(float x) { return math_detail::exp_of(x); }
-TOMLIN_INLINE float log(float x) { return math_detail::log_of(x); }
-TOMLIN_INLINE float pow(float x, float y) {
-  return static_cast<float>(math_detail::short_pow_of(double{x}, double{y}));
-}
-
-TOMLIN_INLINE FloatPack sin_turns(FloatPack x) {
-  return math_detail::HalfTurns<FloatPack>(x).sine();
-}
-TOMLIN_INLINE FloatPack cos_turns(FloatPack x) {
-  return math_detail::HalfTurns<FloatPack>(x).cosine();
-}
-TOMLIN_INLINE void sincos_turns(FloatPack x, FloatPack& s, FloatPack& c) {
-  const math_detail::HalfTurns<FloatPack> half(x);
-  s = half.sine();
-  c = half.cosine();
-}
-TOMLIN_INLINE FloatPack exp(FloatPack x) { return math_detail::exp_of(x); }
-TOMLIN_INLINE FloatPack log(FloatPack x) { return math_detail::log_of(x); }
-TOMLIN_INLINE FloatPack pow(FloatPack x, FloatPack y) {
-  return to_float(math_detail::short_pow_of(to_double(x), to_double(y)));
-}
 
 }  // namespace TOMLIN_TARGET
 }  // namespace tomlin

@@ -14,8 +14,8 @@
 ///
 ///   z = sqrt(-2 log u) cos(2 pi w),  z' = sqrt(-2 log u) sin(2 pi w)
 ///
-/// u, w uniform in (0, 1), to 53 digits: |z| < 8.6. In float and quadruple precision they are those
-/// of double. Source: G. E. P. Box and M. E. Muller, Ann. Math. Stat. 29 (1958) 610,
+/// u, w uniform in (0, 1), to 53 digits: |z| < 8.6. In quadruple precision they are those of
+/// double. Source: G. E. P. Box and M. E. Muller, Ann. Math. Stat. 29 (1958) 610,
 /// doi:10.1214/aoms/1177706645.
 namespace tomlin {
 inline namespace TOMLIN_TARGET {

@@ -1,6 +1,5 @@
-// The three number types that a run can be computed in, and what generic code asks of them:
+// The two number types that a run can be computed in, and what generic code asks of them:
 //
-//   float   FloatPack    what a GPU or a quick survey would see
 //   double  Pack         the one to use
 //   Quad    QuadPack     a reference, to see what rounding does
 //
@@ -9,7 +8,6 @@
 
 #include <type_traits>
 
-#include "framework/core/numbers/float_pack.hpp"
 #include "framework/core/numbers/pack.hpp"
 #include "framework/core/numbers/quad.hpp"
 
@@ -22,10 +20,6 @@ struct PackOf;
 template <>
 struct PackOf<double> {
   using Type = Pack;
-};
-template <>
-struct PackOf<float> {
-  using Type = FloatPack;
 };
 template <>
 struct PackOf<Quad> {
@@ -43,10 +37,6 @@ struct ScalarOf {
 template <>
 struct ScalarOf<Pack> {
   using Type = double;
-};
-template <>
-struct ScalarOf<FloatPack> {
-  using Type = float;
 };
 template <>
 struct ScalarOf<QuadPack> {

@@ -1,4 +1,4 @@
-// Pack: eight doubles, and the same operations for plain double, float and bool.
+// Pack: eight doubles, and the same operations for plain double and bool.
 //
 // The width is eight on every target, because the one summation rule (eight interleaved partial
 // sums, folded pairwise) must not depend on the machine: one 512-bit vector, two 256-bit vectors,
@@ -39,18 +39,6 @@ TOMLIN_INLINE double max(double a, double b) { return a > b ? a : b; }
 TOMLIN_INLINE double select(bool mask, double a, double b) { return mask ? a : b; }
 TOMLIN_INLINE double sum(double x) { return x; }
 
-TOMLIN_INLINE float fma(float a, float b, float c) { return __builtin_fmaf(a, b, c); }
-TOMLIN_INLINE float fnma(float a, float b, float c) { return __builtin_fmaf(-a, b, c); }
-TOMLIN_INLINE float sqrt(float x) { return __builtin_sqrtf(x); }
-TOMLIN_INLINE float abs(float x) { return __builtin_fabsf(x); }
-TOMLIN_INLINE float copysign(float magnitude, float sign) {
-  return __builtin_copysignf(magnitude, sign);
-}
-TOMLIN_INLINE float min(float a, float b) { return a < b ? a : b; }
-TOMLIN_INLINE float max(float a, float b) { return a > b ? a : b; }
-TOMLIN_INLINE float select(bool mask, float a, float b) { return mask ? a : b; }
-TOMLIN_INLINE float sum(float x) { return x; }
-
 TOMLIN_INLINE bool any(bool mask) { return mask; }
 TOMLIN_INLINE bool all(bool mask) { return mask; }
 TOMLIN_INLINE bool select(bool mask, bool a, bool b) { return mask ? a : b; }
@@ -63,13 +51,8 @@ TOMLIN_INLINE double round(double x) {
   const double shift = copysign(0x1p52, x);
   return abs(x) < 0x1p52 ? copysign((x + shift) - shift, x) : x;
 }
-TOMLIN_INLINE float round(float x) {
-  const float shift = copysign(0x1p23f, x);
-  return abs(x) < 0x1p23f ? copysign((x + shift) - shift, x) : x;
-}
 #else
 TOMLIN_INLINE double round(double x) { return __builtin_rint(x); }
-TOMLIN_INLINE float round(float x) { return __builtin_rintf(x); }
 #endif
 
 // Operations on the 64-bit pattern of a double, for the elementary functions.

@@ -31,7 +31,6 @@ struct Quad {
       : v(x) {}  // NOLINT: every number is a Quad, exactly
 
   TOMLIN_INLINE constexpr explicit operator double() const { return static_cast<double>(v); }
-  TOMLIN_INLINE constexpr explicit operator float() const { return static_cast<float>(v); }
 };
 
 TOMLIN_INLINE constexpr Quad operator+(Quad a, Quad b) { return a.v + b.v; }
@@ -51,8 +50,8 @@ TOMLIN_INLINE constexpr bool operator>=(Quad a, Quad b) { return a.v >= b.v; }
 TOMLIN_INLINE constexpr bool operator==(Quad a, Quad b) { return a.v == b.v; }
 TOMLIN_INLINE constexpr bool operator!=(Quad a, Quad b) { return a.v != b.v; }
 
-// Rounded twice, unlike the same of double and float: the digits to spare are the point of a Quad,
-// and rounding once would take fifty times as long.
+// Rounded twice, unlike that of double: the digits to spare are the point of a Quad, and rounding
+// once would take fifty times as long.
 TOMLIN_INLINE constexpr Quad fma(Quad a, Quad b, Quad c) { return a * b + c; }
 TOMLIN_INLINE constexpr Quad fnma(Quad a, Quad b, Quad c) { return c - a * b; }
 // The second argument wins when either is a NaN or both are zero, as for double.

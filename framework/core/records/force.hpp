@@ -32,20 +32,16 @@ using ForceFactory = std::unique_ptr<BoundForce<Real>> (*)(const void* descripti
 /// the first is required.
 struct ForceFactories {
   ForceFactory<double> in_double = nullptr;
-  ForceFactory<float> in_float = nullptr;
   ForceFactory<Quad> in_quadruple = nullptr;
 
   ForceFactories() = default;
-  ForceFactories(ForceFactory<double> d, ForceFactory<float> f = nullptr,  // NOLINT: one will do
-                 ForceFactory<Quad> q = nullptr)
-      : in_double(d), in_float(f), in_quadruple(q) {}
+  ForceFactories(ForceFactory<double> d, ForceFactory<Quad> q = nullptr)
+      : in_double(d), in_quadruple(q) {}
 
   template <class Real>
   ForceFactory<Real> in() const {
     if constexpr (std::is_same_v<Real, double>) {
       return in_double;
-    } else if constexpr (std::is_same_v<Real, float>) {
-      return in_float;
     } else {
       return in_quadruple;
     }

@@ -31,20 +31,17 @@ using IntegratorFactory = std::unique_ptr<Integrator<Real>> (*)(const void* desc
 /// Factories by number type; the first is required.
 struct IntegratorFactories {
   IntegratorFactory<double> in_double = nullptr;
-  IntegratorFactory<float> in_float = nullptr;
   IntegratorFactory<Quad> in_quadruple = nullptr;
 
   IntegratorFactories() = default;
   IntegratorFactories(IntegratorFactory<double> d,  // NOLINT: one will do
-                      IntegratorFactory<float> f = nullptr, IntegratorFactory<Quad> q = nullptr)
-      : in_double(d), in_float(f), in_quadruple(q) {}
+                      IntegratorFactory<Quad> q = nullptr)
+      : in_double(d), in_quadruple(q) {}
 
   template <class Real>
   IntegratorFactory<Real> in() const {
     if constexpr (std::is_same_v<Real, double>) {
       return in_double;
-    } else if constexpr (std::is_same_v<Real, float>) {
-      return in_float;
     } else {
       return in_quadruple;
     }

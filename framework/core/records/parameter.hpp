@@ -199,11 +199,9 @@ struct Parameter {
   Dimension dimension;
   Interval interval;                       ///< for each number in the value
   std::vector<std::string> choices;        ///< for a string, or the words of WordOrNumbers
-  std::vector<std::string> later_choices;  ///< words of the scene language that this version lacks
   ParameterValue prototype;                ///< its alternative tells the kind of value
   std::optional<ParameterValue> standard;  ///< the default; without one the key is required
   bool optional = false;                   ///< may be absent without a default (value stays empty)
-  bool only_standard = false;              ///< any value but the default: not in this version
   /// May be a list with a value for each particle of the component's body, or an expression in the
   /// particle's index `i`.
   bool per_particle = false;
@@ -223,10 +221,6 @@ struct Parameter {
     choices = std::move(words);
     return std::move(*this);
   }
-  Parameter not_yet(std::vector<std::string> words) && {
-    later_choices = std::move(words);
-    return std::move(*this);
-  }
   template <class T>
   Parameter by_default(T value) && {
     if constexpr (std::is_same_v<T, const char*>) {
@@ -236,10 +230,6 @@ struct Parameter {
     } else {
       standard = ParameterValue(std::move(value));
     }
-    return std::move(*this);
-  }
-  Parameter only_default_yet() && {
-    only_standard = true;
     return std::move(*this);
   }
   Parameter or_absent() && {
@@ -290,11 +280,5 @@ template <class D, class T>
 Parameter parameter(std::string key, T D::*member, Dimension dimension, std::string doc) {
   return parameter_of<D, D, T>(std::move(key), member, dimension, std::move(doc));
 }
-
-/// A key that the scene language names and this version does not have yet.
-struct ReservedKey {
-  std::string key;
-  std::string note;  ///< what it will be; may be empty
-};
 
 }  // namespace tomlin

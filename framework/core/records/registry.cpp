@@ -55,10 +55,6 @@ void check_text(const ComponentRecord& record) {
   for (const Parameter& row : record.parameters) {
     texts.insert(texts.end(), {row.key, row.doc});
     texts.insert(texts.end(), row.choices.begin(), row.choices.end());
-    texts.insert(texts.end(), row.later_choices.begin(), row.later_choices.end());
-  }
-  for (const ReservedKey& reserved : record.reserved) {
-    texts.insert(texts.end(), {reserved.key, reserved.note});
   }
   if (!std::all_of(texts.begin(), texts.end(), [](const auto& text) { return is_utf8(text); })) {
     throw std::invalid_argument("component \"" + record.name + "\" has text that is not UTF-8");
@@ -114,9 +110,6 @@ void Registry::add(ForceRecord record) {
     row.per_particle = record.varies && can_vary(row) && !row.uniform;
   }
   // A build without kernels of a number type binds nothing in it.
-#if defined(TOMLIN_WITHOUT_FLOAT)
-  record.bind.in_float = nullptr;
-#endif
 #if defined(TOMLIN_WITHOUT_QUAD)
   record.bind.in_quadruple = nullptr;
 #endif

@@ -27,7 +27,6 @@ struct ComponentRecord {
   std::string source;    ///< paper with equation number, DOI or textbook
   std::string example;   ///< a whole scene that runs
   std::vector<Parameter> parameters;
-  std::vector<ReservedKey> reserved;  ///< keys answered by "not in this version"
 
   /// A default-constructed description; the rows of `parameters` assign its members.
   std::shared_ptr<void> (*make_description)() = nullptr;

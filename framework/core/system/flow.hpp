@@ -33,12 +33,11 @@ struct FlowStage {
   const Real* position = nullptr;      ///< generalised coordinates, relative to the scene's origin
   const Real* inverse_mass = nullptr;  ///< zero where nothing moves, and in the padding
   Real* velocity = nullptr;
-  Real* velocity_rest = nullptr;  ///< what it lacks, see compensated.hpp; null: nothing
-  Real* own = nullptr;            ///< variables of forces' own
-  RandomKey key;                  ///< of the scene's seed and the operator
-  std::uint64_t step = 0;         ///< number of the step in the run
-  std::uint64_t part = 0;         ///< which of an operator's flows in the step
-  bool heat = false;              ///< false: what is returned does not matter
+  Real* own = nullptr;     ///< variables of forces' own
+  RandomKey key;           ///< of the scene's seed and the operator
+  std::uint64_t step = 0;  ///< number of the step in the run
+  std::uint64_t part = 0;  ///< which of an operator's flows in the step
+  bool heat = false;       ///< false: what is returned does not matter
   /// Linear friction by the implicit midpoint rule in place of its exact flow: a coordinate keeps
   /// (1 - h gamma/2)/(1 + h gamma/2) of its velocity. Flows that forces hand out ignore it.
   bool midpoint = false;

@@ -150,10 +150,6 @@ class Integrator {
   /// at its end, `since` after the anchor, it is the next step's first: steps do not depend on
   /// samples.
   virtual void finish_dense_from(double since) = 0;
-  void finish_dense(const DoubleDouble& end) {
-    anchor(end);
-    finish_dense_from(0.0);
-  }
   /// The state at a fraction theta in [0, 1] of the last step, as doubles: whoever looks on needs
   /// no more.
   virtual void interpolate(double theta, double* position, double* velocity,

@@ -53,66 +53,35 @@ bool operator==(const StateLayout& a, const StateLayout& b) {
   return same(a.reals_, b.reals_) && same(a.integers_, b.integers_) && same(a.raw_, b.raw_);
 }
 
-RunState::RunState(const StateLayout& layout, std::size_t replicas)
+RunState::RunState(const StateLayout& layout)
     : layout_(layout),
-      replicas_(replicas),
-      reals_(layout.real_count() * replicas, 0.0),
-      integers_(layout.integer_count() * replicas, 0),
-      raw_(layout.raw_count(), std::byte{0}) {
-  if (replicas != 1 && !raw_.empty()) {
-    throw std::invalid_argument("only states of doubles have several replicas");
-  }
-}
+      reals_(layout.real_count(), 0.0),
+      integers_(layout.integer_count(), 0),
+      raw_(layout.raw_count(), std::byte{0}) {}
 
 double* RunState::reals(std::string_view field) {
-  return reals_.data() + find(layout_.reals(), field).first * replicas_;
+  return reals_.data() + find(layout_.reals(), field).first;
 }
 
 const double* RunState::reals(std::string_view field) const {
-  return reals_.data() + find(layout_.reals(), field).first * replicas_;
+  return reals_.data() + find(layout_.reals(), field).first;
 }
 
 std::int64_t* RunState::integers(std::string_view field) {
-  return integers_.data() + find(layout_.integers(), field).first * replicas_;
+  return integers_.data() + find(layout_.integers(), field).first;
 }
 
 const std::int64_t* RunState::integers(std::string_view field) const {
-  return integers_.data() + find(layout_.integers(), field).first * replicas_;
+  return integers_.data() + find(layout_.integers(), field).first;
 }
 
 std::byte* RunState::raw(std::string_view field) {
   return raw_.data() + find(layout_.raw(), field).first;
 }
 
-RunState RunState::extract(std::size_t replica) const {
-  if (replica >= replicas_) throw std::invalid_argument("no such replica");
-  RunState single(layout_, 1);
-  for (std::size_t k = 0; k < single.reals_.size(); ++k) {
-    single.reals_[k] = reals_[k * replicas_ + replica];
-  }
-  for (std::size_t k = 0; k < single.integers_.size(); ++k) {
-    single.integers_[k] = integers_[k * replicas_ + replica];
-  }
-  single.raw_ = raw_;
-  return single;
-}
-
-void RunState::insert(std::size_t replica, const RunState& single) {
-  if (replica >= replicas_ || single.replicas_ != 1 || !(single.layout_ == layout_)) {
-    throw std::invalid_argument("a replica of another layout cannot be inserted");
-  }
-  for (std::size_t k = 0; k < single.reals_.size(); ++k) {
-    reals_[k * replicas_ + replica] = single.reals_[k];
-  }
-  for (std::size_t k = 0; k < single.integers_.size(); ++k) {
-    integers_[k * replicas_ + replica] = single.integers_[k];
-  }
-  raw_ = single.raw_;
-}
-
 void RunState::copy_numbers(const RunState& from) {
-  if (from.replicas_ != replicas_ || from.reals_.size() != reals_.size() ||
-      from.integers_.size() != integers_.size() || from.raw_.size() != raw_.size()) {
+  if (from.reals_.size() != reals_.size() || from.integers_.size() != integers_.size() ||
+      from.raw_.size() != raw_.size()) {
     throw std::invalid_argument("numbers of another layout cannot be copied");
   }
   std::copy(from.reals_.begin(), from.reals_.end(), reals_.begin());

@@ -10,9 +10,9 @@
 
 #include "framework/core/system/aligned.hpp"
 
-/// Everything that changes during a run, in one declared layout for W >= 1 replicas: positions,
-/// clocks, controllers, running integrals, observers. What is not declared here is scratch and can
-/// be lost at any step boundary.
+/// Everything that changes during a run, in one declared layout: positions, clocks, controllers,
+/// running integrals, observers. What is not declared here is scratch and can be lost at any step
+/// boundary.
 namespace tomlin {
 
 /// Names and sizes; filled by the engine, the integrator and the observers before the run starts.
@@ -20,7 +20,7 @@ class StateLayout {
  public:
   struct Field {
     std::string name;
-    std::size_t first = 0;  ///< in units of one replica's numbers
+    std::size_t first = 0;
     std::size_t count = 0;
   };
 
@@ -57,14 +57,13 @@ class StateLayout {
   std::size_t raw_count_ = 0;
 };
 
-/// The numbers. Number k of replica w stands at [k * replicas + w]: the lanes of a batch are
-/// contiguous, and with one replica an array is an array.
+/// The numbers of a layout.
 class RunState {
  public:
   RunState() = default;
-  RunState(const StateLayout& layout, std::size_t replicas);
+  explicit RunState(const StateLayout& layout);
 
-  std::size_t replicas() const { return replicas_; }
+  bool empty() const { return reals_.empty() && integers_.empty() && raw_.empty(); }
   const StateLayout& layout() const { return layout_; }
 
   double* reals(std::string_view field);
@@ -72,7 +71,7 @@ class RunState {
   std::int64_t* integers(std::string_view field);
   const std::int64_t* integers(std::string_view field) const;
 
-  /// A field of add_numbers<Real>(); Real other than double: of a single replica only.
+  /// A field of add_numbers<Real>().
   template <class Real>
   Real* numbers(std::string_view field) {
     if constexpr (std::is_same_v<Real, double>) {
@@ -81,11 +80,6 @@ class RunState {
       return reinterpret_cast<Real*>(raw(field));
     }
   }
-
-  /// One replica as a state of its own, and back. Throws std::invalid_argument when the layouts
-  /// differ or there is no such replica. Only doubles have more replicas than one.
-  RunState extract(std::size_t replica) const;
-  void insert(std::size_t replica, const RunState& single);
 
   /// All numbers of another state of the same layout, where they stand: pointers to them stay good.
   void copy_numbers(const RunState& from);
@@ -99,7 +93,6 @@ class RunState {
   std::byte* raw(std::string_view field);
 
   StateLayout layout_;
-  std::size_t replicas_ = 0;
   AlignedVector<double> reals_;
   std::vector<std::int64_t> integers_;
   AlignedVector<std::byte> raw_;

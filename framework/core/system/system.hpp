@@ -34,12 +34,6 @@ struct SystemView {
   Real* velocity = nullptr;
   Real* integrals = nullptr;
 
-  // What the numbers above lack to the true state, for a number type that carries it along (see
-  // compensated.hpp); null otherwise.
-  Real* position_rest = nullptr;
-  Real* velocity_rest = nullptr;
-  Real* integrals_rest = nullptr;
-
   bool inertial = true;  ///< false: force times inverse_mass is the velocity, not its change
   const Real* inverse_mass = nullptr;     ///< zero where nothing moves and in the padding; without
                                           ///< inertia the inverse friction coefficient

@@ -25,7 +25,6 @@ enum class FaultCode {
   scene_wrong_count,
   scene_unknown_choice,
   scene_conflict,
-  scene_not_in_this_version,
   scene_too_many_faults,
   // Components and their names.
   scene_unknown_component,
@@ -54,7 +53,6 @@ enum class FaultCode {
   integrator_wide_distribution,
   integrator_unresolved_time,
   integrator_coarse_tolerance,
-  integrator_fine_tolerance,
   number_type_unsuitable,
   number_type_coarse_positions,
   matrix_singular,
@@ -109,7 +107,6 @@ enum class FaultCode {
   plot_no_gnuplot,
   // The command line and the machine.
   command_unknown,
-  command_not_in_this_version,
   command_unknown_option,
   command_missing_argument,
   command_invalid_value,

@@ -350,21 +350,6 @@ ForceTwin<Quad>* ForceUnderTest::exact() {
   return exact_.get();
 }
 
-std::unique_ptr<ForceTwin<float>> ForceUnderTest::in_float() const {
-  return in_float(alone_.model().plan().set);
-}
-
-std::unique_ptr<ForceTwin<float>> ForceUnderTest::in_float(InstructionSet set) const {
-  if (record().bind.in_float == nullptr) return nullptr;
-  AssemblyPlan plan = alone_.model().plan();
-  plan.set = set;
-  try {
-    return std::make_unique<ForceTwin<float>>(plan);
-  } catch (const InputError&) {
-    return nullptr;  // beyond the range of floats
-  }
-}
-
 // ---- the answer
 
 void ForceUnderTest::begin(const char* property, const char* meaning) {

@@ -83,7 +83,6 @@ class ForceUnderTest {
   const SceneForce& described() { return alone_.model().scene().forces.front(); }
   bool on_prescribed() const;
   /// Some coordinates of its bodies are no variables: see Terms.
-  bool has_hidden() const { return !hidden_.empty(); }
   double length() const { return length_; }
   std::size_t count() const { return alone_.variables().size(); }
   const Variable& variable(std::size_t i) const { return alone_.variables()[i]; }
@@ -96,9 +95,6 @@ class ForceUnderTest {
   std::unique_ptr<ForceTwin<double>> twin() const;
   /// In quadruple precision; null where it is not available.
   ForceTwin<Quad>* exact();
-  /// Null where it is not available, or beyond the range of floats.
-  std::unique_ptr<ForceTwin<float>> in_float(InstructionSet set) const;
-  std::unique_ptr<ForceTwin<float>> in_float() const;
 
   // ---- states
 

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -13,14 +12,12 @@ namespace tomlin::properties {
 namespace {
 
 /// What is left before a kernel that sets: it must not matter.
-template <class Real>
-constexpr Real kNoNumber = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 /// The numbers of forces that a pass writes, region by region.
-template <class Real>
 class Written {
  public:
-  Written(const ForceTwin<Real>& twin, const Region& region, int axes)
+  Written(const ForceTwin<double>& twin, const Region& region, int axes)
       : slot_(twin.body(region.body).bound.slot),
         centre_(region.centre),
         from_(centre_        ? twin.view().force + slot_.centre
@@ -28,14 +25,14 @@ class Written {
                              : twin.view().force + slot_.offset),
         axes_(static_cast<std::size_t>(axes)) {}
 
-  void fill(Real value) const {
+  void fill(double value) const {
     for_all([&](std::size_t at, bool) { from_[at] = value; });
   }
   /// Of the particles, or of the centre with its rotation.
   std::vector<double> numbers() const {
     std::vector<double> all;
     for_all([&](std::size_t at, bool padding) {
-      if (!padding) all.push_back(static_cast<double>(from_[at]));
+      if (!padding) all.push_back(from_[at]);
     });
     return all;
   }
@@ -43,7 +40,7 @@ class Written {
   double padding() const {
     double most = 0.0;
     for_all([&](std::size_t at, bool padding) {
-      const double size = padding ? std::abs(static_cast<double>(from_[at])) : 0.0;
+      const double size = padding ? std::abs(from_[at]) : 0.0;
       if (!(size <= most)) most = std::isnan(most) ? most : size;
     });
     return most;
@@ -60,50 +57,41 @@ class Written {
     }
   }
 
-  const BodySlot<Real>& slot_;
+  const BodySlot<double>& slot_;
   bool centre_;
-  Real* from_;
+  double* from_;
   std::size_t axes_;
 };
 
 /// Passes that may set: the first on a region, of one region.
-template <class Real>
-std::vector<Pass<Real>> setting_passes(ForceTwin<Real>& twin) {
-  std::vector<Pass<Real>> passes = twin.bound().passes();
-  std::erase_if(passes, [](const Pass<Real>& pass) {
+std::vector<Pass<double>> setting_passes(ForceTwin<double>& twin) {
+  std::vector<Pass<double>> passes = twin.bound().passes();
+  std::erase_if(passes, [](const Pass<double>& pass) {
     return pass.set == nullptr || pass.add == nullptr || pass.writes.size() != 1;
   });
   return passes;
 }
 
 /// Each pass that may set, over arrays of NaN; then `use` of it and what it wrote.
-template <class Real, class Use>
-void for_settings(ForceUnderTest& e, const State& state, ForceTwin<Real>& twin, Use&& use) {
+template <class Use>
+void for_settings(ForceUnderTest& e, const State& state, ForceTwin<double>& twin, Use&& use) {
   e.put(state, twin);
   twin.evaluate(state.time);
-  for (const Pass<Real>& pass : setting_passes(twin)) {
-    const Written<Real> written(twin, pass.writes.front(), e.alone().model().dimension());
-    written.fill(kNoNumber<Real>);
+  for (const Pass<double>& pass : setting_passes(twin)) {
+    const Written written(twin, pass.writes.front(), e.alone().model().dimension());
+    written.fill(kNoNumber);
     pass.set(pass.arguments, twin.stage());
     use(pass, written);
   }
 }
 
-template <class Real>
-void compare_set_with_add(ForceUnderTest& e, const State& state, ForceTwin<Real>& twin) {
-  for_settings(e, state, twin, [&](const Pass<Real>& pass, const Written<Real>& written) {
+void compare_set_with_add(ForceUnderTest& e, const State& state, ForceTwin<double>& twin) {
+  for_settings(e, state, twin, [&](const Pass<double>& pass, const Written& written) {
     const std::vector<double> set = written.numbers();
-    written.fill(Real(0.0));
+    written.fill(0.0);
     pass.add(pass.arguments, twin.stage());
     e.note_same_numbers(set, written.numbers(), state);
   });
-}
-
-/// Floats hold fewer numbers: where some are not finite, there is nothing to compare.
-template <class Use>
-void for_types(ForceUnderTest& e, InstructionSet set, Use&& use) {
-  use(*e.twin(set));
-  if (const auto in_float = e.in_float(set)) use(*in_float);
 }
 
 }  // namespace
@@ -114,9 +102,8 @@ std::optional<PropertyResult> set_and_add(ForceUnderTest& e) {
   e.begin("set and add",
           "kernels that set write, over anything, what those that add give to zeros");
   for (const InstructionSet set : supported_sets()) {
-    for_types(e, set, [&](auto& twin) {
-      for (const State& state : e.near()) compare_set_with_add(e, state, twin);
-    });
+    const auto twin = e.twin(set);
+    for (const State& state : e.near()) compare_set_with_add(e, state, *twin);
   }
   for (std::size_t k = 0; k < e.near().size(); ++k) e.looked();
   return e.end();
@@ -126,19 +113,17 @@ std::optional<PropertyResult> set_and_add(ForceUnderTest& e) {
 std::optional<PropertyResult> padding(ForceUnderTest& e) {
   e.begin("padding", "beyond the last particle of a body, forces are zero up to a whole group");
   for (const InstructionSet set : supported_sets()) {
-    for_types(e, set, [&](auto& twin) {
-      using Real = std::remove_cvref_t<decltype(twin.position(0))>;
-      for (const State& state : e.near()) {
-        for_settings(e, state, twin, [&](const Pass<Real>&, const Written<Real>& written) {
-          e.note(written.padding(), 0.0, 0.0, 0.0, state);
-        });
-        twin.evaluate(state.time);
-        for (const std::size_t b : twin.force().bodies) {
-          const Written<Real> written(twin, {b, false}, e.alone().model().dimension());
-          e.note(written.padding(), 0.0, 0.0, 0.0, state);
-        }
+    const auto twin = e.twin(set);
+    for (const State& state : e.near()) {
+      for_settings(e, state, *twin, [&](const Pass<double>&, const Written& written) {
+        e.note(written.padding(), 0.0, 0.0, 0.0, state);
+      });
+      twin->evaluate(state.time);
+      for (const std::size_t b : twin->force().bodies) {
+        const Written written(*twin, {b, false}, e.alone().model().dimension());
+        e.note(written.padding(), 0.0, 0.0, 0.0, state);
       }
-    });
+    }
   }
   for (std::size_t k = 0; k < e.near().size(); ++k) e.looked();
   return e.end();

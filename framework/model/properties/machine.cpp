@@ -1,10 +1,8 @@
 #include <algorithm>
-#include <cfenv>
 #include <cmath>
 #include <limits>
 #include <memory>
 #include <optional>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -13,18 +11,6 @@
 /// The same force on every instruction set and in every number type.
 namespace tomlin::properties {
 namespace {
-
-/// Numbers that this type has exactly.
-template <class Real>
-State rounded(const State& state) {
-  State rounded = state;
-  const auto round = [](double& x) { x = static_cast<double>(static_cast<Real>(x)); };
-  for (auto* numbers : {&rounded.x, &rounded.v, &rounded.own}) {
-    for (double& x : *numbers) round(x);
-  }
-  round(rounded.time);
-  return rounded;
-}
 
 /// What one evaluation gives, as doubles: forces on the variables; the energy, heat, and the rates
 /// of internal variables and of what a driver reports.
@@ -53,15 +39,6 @@ Outcome outcome_at(ForceUnderTest& e, const State& state, ForceTwin<Real>& twin)
     outcome.others.push_back(static_cast<double>(twin.rate(k)));
   }
   return outcome;
-}
-
-/// Whether numbers since the last call became too large or too small for their type. Floats do so
-/// early, as in a twelfth power of some hundreds: that is their range, not the force's fault.
-bool left_the_range() {
-  constexpr int kRange = FE_OVERFLOW | FE_UNDERFLOW;
-  const bool left = std::fetestexcept(kRange) != 0;
-  std::feclearexcept(kRange);
-  return left;
 }
 
 /// Units in the last place by which a type may be off, in parts of a result's size and of what it
@@ -106,31 +83,25 @@ void compare_others(ForceUnderTest& e, ForceTwin<double>& twin, const Outcome& f
 }
 
 /// False where there are no numbers to compare.
-template <class Real>
-bool compare_with_exact(ForceUnderTest& e, ForceTwin<Real>& twin, ForceTwin<double>& in_double,
-                        const State& given) {
-  constexpr double kAllowed = kUnits * std::numeric_limits<Real>::epsilon();
-  constexpr double kLeast = std::numeric_limits<Real>::min() / std::numeric_limits<Real>::epsilon();
-  const State state = rounded<Real>(given);
+bool compare_with_exact(ForceUnderTest& e, ForceTwin<double>& twin, const State& state) {
+  constexpr double kAllowed = kUnits * std::numeric_limits<double>::epsilon();
+  constexpr double kLeast =
+      std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
   const Outcome due = outcome_at(e, state, *e.exact());
-  left_the_range();
   const Outcome found = outcome_at(e, state, twin);
-  if (std::is_same_v<Real, float> && left_the_range()) return false;
-  const double sensitivity = e.sensitivity(std::is_same_v<Real, double> ? given : state);
+  const double sensitivity = e.sensitivity(state);
   const double size = e.largest(due.forces);
   // What has no number is looked at as such elsewhere.
   if (!std::isfinite(sensitivity) || !std::isfinite(e.largest(found.forces))) return false;
   double unit = 1.0;
   for (std::size_t i = 0; i < e.count(); ++i) unit = std::max(unit, e.variable(i).unit);
   e.note(found.forces, due.forces, size, kAllowed * (size + sensitivity) + kLeast * unit, state);
-  compare_others(e, in_double, found, due, state, sensitivity, kAllowed, kLeast);
+  compare_others(e, twin, found, due, state, sensitivity, kAllowed, kLeast);
   return true;
 }
 
 /// Whether the rounding of a type shows in forces, against those in quadruple precision.
-template <class Real>
-bool rounds(ForceUnderTest& e, ForceTwin<Real>& twin, const State& given) {
-  const State state = rounded<Real>(given);
+bool rounds(ForceUnderTest& e, ForceTwin<double>& twin, const State& state) {
   ForceTwin<Quad>& exact = *e.exact();
   const auto evaluate = [&](auto& evaluated) {
     e.put(state, evaluated);
@@ -138,11 +109,12 @@ bool rounds(ForceUnderTest& e, ForceTwin<Real>& twin, const State& given) {
   };
   evaluate(exact);
   evaluate(twin);
-  const double size = e.largest(e.forces(given)) + e.sensitivity(given);
+  const double size = e.largest(e.forces(state)) + e.sensitivity(state);
   for (std::size_t i = 0; i < e.count(); ++i) {
     const std::size_t at = e.variable(i).at;
     const double apart = static_cast<double>(Quad(twin.force_at(at)) - exact.force_at(at));
-    if (std::abs(e.at_edge(i, apart)) > kFewestUnits * std::numeric_limits<Real>::epsilon() * size)
+    if (std::abs(e.at_edge(i, apart)) >
+        kFewestUnits * std::numeric_limits<double>::epsilon() * size)
       return true;
   }
   return false;
@@ -150,29 +122,21 @@ bool rounds(ForceUnderTest& e, ForceTwin<Real>& twin, const State& given) {
 
 }  // namespace
 
-/// Forces, energies, heat and all rates; in float as well.
+/// Forces, energies, heat and all rates.
 std::optional<PropertyResult> same_bits(ForceUnderTest& e) {
   e.begin("same bits", "on every instruction set of this machine");
   std::vector<std::unique_ptr<ForceTwin<double>>> twins;
-  std::vector<std::unique_ptr<ForceTwin<float>>> in_float;
-  for (const InstructionSet set : supported_sets()) {
-    twins.push_back(e.twin(set));
-    if (auto twin = e.in_float(set)) in_float.push_back(std::move(twin));
-  }
+  for (const InstructionSet set : supported_sets()) twins.push_back(e.twin(set));
   for (const State* state : e.everywhere()) {
     const std::vector<double> forces = e.forces(*state);
-    const auto compare = [&](auto& all) {
-      std::optional<Outcome> due;
-      for (const auto& twin : all) {
-        Outcome found = outcome_at(e, *state, *twin);
-        if (!due) due = found;
-        e.note_same(found.forces, due->forces, *state);
-        e.note_same_numbers(found.others, due->others, *state);
-      }
-      return due;
-    };
-    e.note_same(compare(twins)->forces, forces, *state);
-    compare(in_float);
+    std::optional<Outcome> first;
+    for (const auto& twin : twins) {
+      Outcome found = outcome_at(e, *state, *twin);
+      if (!first) first = found;
+      e.note_same(found.forces, first->forces, *state);
+      e.note_same_numbers(found.others, first->others, *state);
+    }
+    e.note_same(first->forces, forces, *state);
     e.looked();
   }
   return e.end();
@@ -180,19 +144,10 @@ std::optional<PropertyResult> same_bits(ForceUnderTest& e) {
 
 std::optional<PropertyResult> number_types(ForceUnderTest& e) {
   if (e.exact() == nullptr) return std::nullopt;
-  e.begin("number types",
-          "the same in float, double and quadruple precision, each to its rounding");
+  e.begin("number types", "the same in double and quadruple precision, each to its rounding");
   const auto in_double = e.twin();
-  left_the_range();
-  const auto in_float = e.in_float();
-  const bool looks_at_float = in_float != nullptr && !left_the_range();
   for (const State* state : e.everywhere()) {
-    bool compared = compare_with_exact(e, *in_double, *in_double, *state);
-    const bool close = state->place == Place::near || state->place == Place::start;
-    if (looks_at_float && close) {
-      compared = compare_with_exact(e, *in_float, *in_double, *state) || compared;
-    }
-    if (compared) e.looked();
+    if (compare_with_exact(e, *in_double, *state)) e.looked();
   }
   return e.end();
 }
@@ -203,14 +158,12 @@ std::optional<PropertyResult> digits(ForceUnderTest& e) {
   if (e.exact() == nullptr) return std::nullopt;
   e.begin("digits", "each number type rounds as its precision says");
   const auto in_double = e.twin();
-  const auto in_float = e.in_float();
   bool changes = false;
   for (const State& state : e.near()) {
     if (e.terms(state).size > 0.0) return std::nullopt;
     const double sensitivity = e.sensitivity(state);
     changes = changes || sensitivity > 0.0;
-    if (!std::isfinite(sensitivity) || !rounds(e, *in_double, state)) continue;
-    if (in_float == nullptr || rounds(e, *in_float, state)) e.saw(state);
+    if (std::isfinite(sensitivity) && rounds(e, *in_double, state)) e.saw(state);
   }
   if (!changes) return std::nullopt;
   return e.end();

@@ -43,7 +43,7 @@ class Bound {
     assembly_ = std::make_unique<Assembly<double>>(plan);
     StateLayout layout;
     assembly_->declare_controls(layout);
-    controls_ = RunState(layout, 1);
+    controls_ = RunState(layout);
     assembly_->attach_controls(controls_);
     // Kernels may read a group past the end.
     for (auto* numbers : {&position, &velocity}) numbers->assign(view().dofs + 2 * kGroup, 0.0);

@@ -86,7 +86,10 @@ class MeanErrors : public RunObserver {
     if (!parts_.window.is_over()) return;
     for (std::size_t k = 0; k < series_.size(); ++k) {
       if (!parts_.selection.wants(series_[k].key)) continue;
-      table.add_error(series_[k].path, error_of(k));
+      const BlockedMean mean = blocked_mean_of(k);
+      const double seen = mean.correlation_times;
+      const double longer = !mean.error && seen > 0.0 ? kFewestCorrelationTimes / seen : 0.0;
+      table.add_error(series_[k].path, mean.error, longer);
     }
   }
 
@@ -97,7 +100,7 @@ class MeanErrors : public RunObserver {
     return paths;
   }
   std::optional<double> error_so_far(std::string_view path) const override {
-    return error_of(static_cast<std::size_t>(find(path) - series_.begin()));
+    return blocked_mean_of(static_cast<std::size_t>(find(path) - series_.begin())).error;
   }
 
  private:
@@ -211,14 +214,14 @@ class MeanErrors : public RunObserver {
                         [path](const Series& one) { return one.path == path; });
   }
 
-  std::optional<double> error_of(std::size_t k) const {
+  BlockedMean blocked_mean_of(std::size_t k) const {
     const std::size_t width = series_.size();
     std::size_t count = 0;
     for (; static_cast<std::int64_t>(count) + 1 < *count_; ++count) {
       const double* sum = sums_ + count * width + k;
       means_[count] = (sum[width] - sum[0]) / *length_;
     }
-    return blocked_mean_in_place({means_.data(), count}).error;
+    return blocked_mean_in_place({means_.data(), count});
   }
 
   ObserverParts parts_;

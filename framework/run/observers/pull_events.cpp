@@ -21,10 +21,8 @@ const ResultQuantity kStaticForce{
     "static_force", dimension::force, Shape::number, Scope::run,
     "largest force along the pull before the first slip; of the whole run where nothing slips"};
 
-/// Unit roundoff of forces in each number type.
-double precision_of(NumberType number_type) {
-  return number_type == NumberType::single_precision ? 1.2e-7 : 2.3e-16;
-}
+/// The engine holds forces as doubles, in a run in quadruple precision as well.
+constexpr double kUnitRoundoff = 2.3e-16;
 
 /// Of a single point on a line, whose steps are taken in blocks: the work that is done on the scene
 /// so far, at the starts of steps. It is integrated from its rates there, so that it does not
@@ -164,7 +162,6 @@ PullEvents::PullEvents(const ObserverParts& parts)
       work_(parts.run.model),
       works_{},
       at_end_{std::numeric_limits<double>::quiet_NaN(), 0.0} {
-  const double precision = precision_of(parts_.run.scene->run.number_type);
   const Model& model = parts_.run.model;
   if (follows_path()) parts_.events.expect(EventKind::slip);
   const bool noisy = has_thermostat(*parts_.run.scene);
@@ -177,7 +174,7 @@ PullEvents::PullEvents(const ObserverParts& parts)
       period = std::max(period, model.origin().unit[d]);
     }
     watches_.emplace_back(
-        k, drive, period, precision,
+        k, drive, period, kUnitRoundoff,
         follows_path() ? DriverWatch::Slips::told : DriverWatch::Slips::looked_for);
     if (noisy) {
       watches_.back().set_noise();

@@ -41,10 +41,9 @@ constexpr std::string_view kTakenTitles[] = {"status", "reason", "point"};
 bool is_wrong_anyway(const Fault& fault) {
   using enum FaultCode;
   constexpr FaultCode kCodes[] = {
-      scene_encoding,    scene_unknown_key,       scene_unknown_name,
-      scene_wrong_type,  scene_unknown_choice,    scene_unknown_component,
-      expression_syntax, expression_unknown_name, scene_not_in_this_version,
-      scene_syntax,      command_invalid_value};
+      scene_encoding,       scene_unknown_key,       scene_unknown_name, scene_wrong_type,
+      scene_unknown_choice, scene_unknown_component, expression_syntax,  expression_unknown_name,
+      scene_syntax,         command_invalid_value};
   return std::find(std::begin(kCodes), std::end(kCodes), fault.code) != std::end(kCodes);
 }
 

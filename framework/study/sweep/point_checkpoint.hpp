@@ -22,8 +22,6 @@ class PointCheckpoint : public RunSink, public RunStore {
 
   /// Where an earlier process has got to; empty: nowhere.
   const std::vector<std::byte>& state() const { return state_; }
-  /// Forgets it where it is not of this program.
-  void forget_state() { state_.clear(); }
   /// For a run that was stopped.
   void write();
 

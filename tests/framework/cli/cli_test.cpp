@@ -174,14 +174,6 @@ TEST_F(Cli, WhatItDoesNotKnowIsBadInput) {
   EXPECT_EQ(tomlin({"run", "tip.toml", "-o", "a", "-o", "b"}).status, 2);
 }
 
-TEST_F(Cli, WhatIsToComeSaysSo) {
-  const std::string planned = "tomlin: [command.not_in_this_version]\n";
-  for (const std::string name : {"stability", "report"}) {
-    expect_refused({name}, planned, {"\"" + name + "\"", " version"});
-  }
-  expect_refused({"report", "a.out", "b.out", "-o", "x"}, planned, {"\"report\""});
-}
-
 // ---- describe
 
 TEST_F(Cli, DescribeListsTheComponents) {
@@ -292,8 +284,6 @@ TEST_F(Cli, DescribeSaysWhereAKeyIs) {
   const std::string unknown = "tomlin: [scene.unknown_component]\n";
   expect_refused({"describe", "stiffness"}, unknown, {"driving_spring, harmonic_bonds"});
   expect_refused({"describe", "every"}, unknown, {"[output]"});
-  expect_refused({"describe", "constraints"}, "tomlin: [scene.not_in_this_version]\n",
-                 {"\"constraints\""});
 }
 
 TEST_F(Cli, DescribeNamesTheWorksOfASource) {
@@ -301,7 +291,7 @@ TEST_F(Cli, DescribeNamesTheWorksOfASource) {
   ASSERT_EQ(verlet["works"].size(), 2U);
   EXPECT_EQ(verlet["works"][0]["place"], "");
   EXPECT_EQ(verlet["works"][1]["place"], "friction by splitting");
-  EXPECT_EQ(verlet["number_types"], (Json{"double", "float", "quadruple"}));
+  EXPECT_EQ(verlet["number_types"], (Json{"double", "quadruple"}));
 }
 
 // ---- the pages of reference

@@ -216,7 +216,8 @@ TEST_F(MetalUnits, AreNamedWhereTheyAreUnknown) {
                  "--set scene.units=SI: scene.units = SI [scene.unknown_choice]\n",
                  {"\"reduced\"", "\"metal\": eV, Angstrom, ps, u, K"});
   expect_refused({"run", "dimer.toml", "--set", "scene.units=real", "-o", "out"},
-                 "--set scene.units=real: scene.units = real [scene.not_in_this_version]\n");
+                 "--set scene.units=real: scene.units = real [scene.unknown_choice]\n",
+                 {"\"metal\": eV, Angstrom, ps, u, K"});
 }
 
 }  // namespace

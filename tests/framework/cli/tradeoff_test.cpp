@@ -57,7 +57,7 @@ TEST_F(TradeoffCommand, LeavesATableAndAFigure) {
   EXPECT_TRUE(csv.starts_with("rung,dt [time],tolerance,value,error,relative error,"));
   EXPECT_EQ(lines(csv), static_cast<std::ptrdiff_t>(result("out")["points"].size()) + 1);
   const std::string figure = file("out/tradeoff.svg");
-  for (const char* part : {"<svg", "rk4 in float", "recommended", "tolerance 0.0001",
+  for (const char* part : {"<svg", "rk4", "recommended", "tolerance 0.0001",
                            "relative error of drivers.driver.mean_force.x"}) {
     EXPECT_TRUE(contains(figure, part)) << part;
   }

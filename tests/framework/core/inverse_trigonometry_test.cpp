@@ -18,27 +18,20 @@ constexpr double kPi = 0x1.921fb54442d18p+1;
 
 // Worst errors in units of the last place, a little above the worst of 1e7 samples. Of atan: half a
 // unit each from t + 1, the quotient and the last sum; atan2 rounds the ratio as well. Of asin and
-// acos: the root, the series, the last sum. In float hardly anything differs.
+// acos: the root, the series, the last sum.
 constexpr double kAtanError = 1.45;
 constexpr double kAtan2Error = 1.6;
 constexpr double kAsinError = 1.2;
 constexpr double kAcosError = 1.15;
 
-/// The distance of numbers of so many bits at x, which no longer shrinks below 2^lowest.
-double unit_at(long double x, int bits, int lowest) {
-  int exponent;
-  frexpl(x, &exponent);
-  return ldexp(1.0, std::max(exponent - bits, lowest));
-}
-
-/// The largest error in units of the last place; a NaN is worse than everything.
+/// The largest error in units of the last place, which no longer shrinks for subnormal numbers; a
+/// NaN is worse than everything.
 struct Worst {
   double error = 0;
-  void add(double got, long double exact) { add(got, exact, unit_at(exact, 53, -1074)); }
-  void add(float got, double exact) { add(double{got}, exact, unit_at(exact, 24, -149)); }
-
- private:
-  void add(double got, long double exact, double unit) {
+  void add(double got, long double exact) {
+    int exponent;
+    frexpl(exact, &exponent);
+    const double unit = ldexp(1.0, std::max(exponent - 53, -1074));
     const double e = static_cast<double>(fabsl(got - exact)) / unit;
     if (!(e <= error)) error = e;
   }
@@ -72,8 +65,7 @@ double any_sine(TestNumbers& numbers, int i) {
   }
 }
 
-template <class Real>
-void expect_same(Real got, Real wanted) {
+void expect_same(double got, double wanted) {
   EXPECT_EQ(got, wanted);
   EXPECT_EQ(std::signbit(got), std::signbit(wanted)) << wanted;
 }
@@ -134,37 +126,10 @@ TARGET_TEST(InverseTrigonometry, AsinAndAcosAreAccurate) {
   EXPECT_GT(cosine.error, 0.85 * kAcosError);
 }
 
-TARGET_TEST(InverseTrigonometry, FloatsAreAccurate) {
-  TestNumbers numbers(64);
-  Worst tangent, two, sine, cosine;
-  for (int i = 0; i < kSamples; ++i) {
-    const auto x = static_cast<float>(std::clamp(any_ratio(numbers, i), -1e38, 1e38));
-    tangent.add(atan(x), atan(double{x}));
-    const auto y = static_cast<float>(numbers.uniform(-1, 1));
-    two.add(atan2(y, x), atan2(double{y}, double{x}));
-    const auto s = static_cast<float>(any_sine(numbers, i));
-    sine.add(asin(s), asin(double{s}));
-    cosine.add(acos(s), acos(double{s}));
-  }
-  EXPECT_LT(tangent.error, kAtanError);
-  EXPECT_LT(two.error, kAtan2Error);
-  EXPECT_LT(sine.error, kAsinError);
-  EXPECT_LT(cosine.error, kAcosError);
-  Worst tiny;
-  for (int i = 0; i < 20; ++i) {
-    for (int j = 0; j < 20; ++j) {
-      const auto y = static_cast<float>(i), x = static_cast<float>(j);
-      tiny.add(atan2(y * 0x1p-149f, x * 0x1p-149f), atan2(double{y}, double{x}));
-      tiny.add(atan2(y * 0x1.8p123f, x * 0x1.8p123f), atan2(double{y}, double{x}));
-    }
-  }
-  EXPECT_LT(tiny.error, kAtan2Error);
-}
-
 TARGET_TEST(InverseTrigonometry, AccuracyChecksSeeASpoiltSeries) {
   // The same checks against atan with its last term dropped, and with the low part of pi/4 left
   // out.
-  using Fit = math_detail::InverseFit<double>;
+  using Fit = math_detail::InverseFit;
   Worst dropped, intact, short_pi;
   TestNumbers numbers(65);
   for (int i = 0; i < 2000; ++i) {
@@ -188,50 +153,43 @@ TARGET_TEST(InverseTrigonometry, AccuracyChecksSeeASpoiltSeries) {
   EXPECT_LT(long_pi.error, 0.65);
 }
 
-template <class Real>
-void expect_special_values() {
-  const auto zero = Real(0), one = Real(1), pi = static_cast<Real>(kPi);
-  const auto inf = static_cast<Real>(kInf), nan = static_cast<Real>(kNan);
-  for (const Real sign : {one, -one}) {
+TARGET_TEST(InverseTrigonometry, SpecialValues) {
+  const double zero = 0.0, one = 1.0;
+  for (const double sign : {one, -one}) {
     // IEEE 754, section 9.2.1.
-    for (const Real x : {zero, one, inf}) {
+    for (const double x : {zero, one, kInf}) {
       expect_same(atan2(sign * zero, x), sign * zero);
-      expect_same(atan2(sign * zero, -x), sign * pi);
+      expect_same(atan2(sign * zero, -x), sign * kPi);
     }
-    expect_same(atan2(sign * one, zero), sign * pi / 2);
-    expect_same(atan2(sign * one, -zero), sign * pi / 2);
-    expect_same(atan2(sign * one, inf), sign * zero);
-    expect_same(atan2(sign * one, -inf), sign * pi);
-    expect_same(atan2(sign * inf, one), sign * pi / 2);
-    expect_same(atan2(sign * inf, -one), sign * pi / 2);
-    expect_same(atan2(sign * inf, inf), sign * pi / 4);
-    expect_same(atan2(sign * inf, -inf), sign * static_cast<Real>(0x1.2d97c7f3321d2p+1));
-    expect_same(atan2(sign * one, one), sign * pi / 4);
+    expect_same(atan2(sign * one, zero), sign * kPi / 2);
+    expect_same(atan2(sign * one, -zero), sign * kPi / 2);
+    expect_same(atan2(sign * one, kInf), sign * zero);
+    expect_same(atan2(sign * one, -kInf), sign * kPi);
+    expect_same(atan2(sign * kInf, one), sign * kPi / 2);
+    expect_same(atan2(sign * kInf, -one), sign * kPi / 2);
+    expect_same(atan2(sign * kInf, kInf), sign * kPi / 4);
+    expect_same(atan2(sign * kInf, -kInf), sign * 0x1.2d97c7f3321d2p+1);
+    expect_same(atan2(sign * one, one), sign * kPi / 4);
     expect_same(atan(sign * zero), sign * zero);
-    expect_same(atan(sign * inf), sign * pi / 2);
+    expect_same(atan(sign * kInf), sign * kPi / 2);
     expect_same(asin(sign * zero), sign * zero);
-    expect_same(asin(sign * one), sign * pi / 2);
+    expect_same(asin(sign * one), sign * kPi / 2);
     expect_same(floor(sign * zero), sign * zero);
-    expect_same(floor(sign * inf), sign * inf);
+    expect_same(floor(sign * kInf), sign * kInf);
   }
   expect_same(acos(one), zero);
-  expect_same(acos(-one), pi);
-  expect_same(acos(zero), pi / 2);
-  const Real above = std::nextafter(one, Real(2));
-  for (const Real x : {above, -above, Real(2), inf, -inf, nan}) {
+  expect_same(acos(-one), kPi);
+  expect_same(acos(zero), kPi / 2);
+  const double above = std::nextafter(one, 2.0);
+  for (const double x : {above, -above, 2.0, kInf, -kInf, kNan}) {
     EXPECT_TRUE(std::isnan(asin(x))) << x;
     EXPECT_TRUE(std::isnan(acos(x))) << x;
   }
-  for (const Real x : {zero, one, inf, -inf, nan}) {
-    EXPECT_TRUE(std::isnan(atan2(nan, x))) << x;
-    EXPECT_TRUE(std::isnan(atan2(x, nan))) << x;
+  for (const double x : {zero, one, kInf, -kInf, kNan}) {
+    EXPECT_TRUE(std::isnan(atan2(kNan, x))) << x;
+    EXPECT_TRUE(std::isnan(atan2(x, kNan))) << x;
   }
-  EXPECT_TRUE(std::isnan(atan(nan)) && std::isnan(floor(nan)) && std::isnan(tan_turns(inf)));
-}
-
-TARGET_TEST(InverseTrigonometry, SpecialValues) {
-  expect_special_values<double>();
-  expect_special_values<float>();
+  EXPECT_TRUE(std::isnan(atan(kNan)) && std::isnan(floor(kNan)) && std::isnan(tan_turns(kInf)));
 }
 
 TARGET_TEST(InverseTrigonometry, Floor) {
@@ -239,8 +197,6 @@ TARGET_TEST(InverseTrigonometry, Floor) {
   for (int i = 0; i < 20000; ++i) {
     const double x = i % 2 ? numbers.any_finite() : ldexp(numbers.uniform(-1, 1), i % 60);
     EXPECT_EQ(floor(x), std::floor(x)) << x;
-    const auto narrow = static_cast<float>(numbers.uniform(-9, 9));
-    EXPECT_EQ(floor(narrow), std::floor(narrow));
   }
   for (const double x : {0.5, 1.5, -0.5, -1.5, 2.0, -2.0, 1 - 0x1p-53, -0x1p-1074}) {
     EXPECT_EQ(floor(x), std::floor(x)) << x;
@@ -260,37 +216,35 @@ TARGET_TEST(InverseTrigonometry, TangentIsSineOverCosine) {
 // f of eight random or special arguments, in one pack or in eight scalars.
 template <class T>
 std::uint64_t inverse_bits() {
-  using Real = Scalar<T>;
-  using Range = TestRange<Real>;
-  const Real special[] = {0,
-                          Real(-0.0),
-                          1,
-                          -1,
-                          Real(0.5),
-                          2,
-                          Range::kTiny,
-                          -Range::kTiny,
-                          Range::kHuge,
-                          Range::kSmall,
-                          std::numeric_limits<Real>::infinity(),
-                          -std::numeric_limits<Real>::infinity(),
-                          std::numeric_limits<Real>::quiet_NaN(),
-                          std::numeric_limits<Real>::max(),
-                          Real(0.25),
-                          Real(0.414)};
+  const double special[] = {0,
+                            -0.0,
+                            1,
+                            -1,
+                            0.5,
+                            2,
+                            TestRange::kTiny,
+                            -TestRange::kTiny,
+                            TestRange::kHuge,
+                            TestRange::kSmall,
+                            std::numeric_limits<double>::infinity(),
+                            -std::numeric_limits<double>::infinity(),
+                            std::numeric_limits<double>::quiet_NaN(),
+                            std::numeric_limits<double>::max(),
+                            0.25,
+                            0.414};
   BitsHash hash;
   TestNumbers numbers(20261122);
   for (int block = 0; block < 4000; ++block) {
-    Real a[kLanes], b[kLanes], unit[kLanes];
+    double a[kLanes], b[kLanes], unit[kLanes];
     for (int i = 0; i < kLanes; ++i) {
-      unit[i] = static_cast<Real>(numbers.uniform(-1.01, 1.01));
+      unit[i] = numbers.uniform(-1.01, 1.01);
       switch (block % 3) {
         case 0:
-          a[i] = static_cast<Real>(numbers.uniform(-4, 4));
-          b[i] = static_cast<Real>(numbers.uniform(-4, 4));
+          a[i] = numbers.uniform(-4, 4);
+          b[i] = numbers.uniform(-4, 4);
           break;
         case 1:
-          a[i] = Range::any_finite(numbers), b[i] = Range::any_finite(numbers);
+          a[i] = numbers.any_finite(), b[i] = numbers.any_finite();
           break;
         default:
           a[i] = special[numbers.bits() % std::size(special)];
@@ -318,13 +272,10 @@ std::uint64_t inverse_bits() {
 
 // Recorded once, as kMathBits in math_test.cpp.
 constexpr std::uint64_t kInverseBits = 15298276074390035445u;
-constexpr std::uint64_t kFloatInverseBits = 13862277000385562253u;
 
 TARGET_TEST(InverseTrigonometry, EveryLaneAndTargetHasTheSameBits) {
   EXPECT_EQ(inverse_bits<double>(), kInverseBits);
   EXPECT_EQ(inverse_bits<Pack>(), kInverseBits);
-  EXPECT_EQ(inverse_bits<float>(), kFloatInverseBits);
-  EXPECT_EQ(inverse_bits<FloatPack>(), kFloatInverseBits);
 }
 
 // ---------------------------------------------------------------------------------------------

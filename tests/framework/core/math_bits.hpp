@@ -7,7 +7,6 @@
 #include <type_traits>
 
 #include "framework/core/numbers/math.hpp"
-#include "framework/core/numbers/number_types.hpp"
 #include "tests/framework/core/target_test.hpp"
 
 namespace tomlin {
@@ -27,77 +26,56 @@ class BitsHash {
   std::uint64_t state_ = 0x243f6a8885a308d3u;
 };
 
-// Where the functions of a precision end: subnormals, the phase, the exponential.
-template <class Real>
-struct TestRange;
-template <>
-struct TestRange<double> {
+// The functions end at these numbers: subnormals, the phase, the exponential.
+struct TestRange {
   static constexpr double kTiny = 0x1p-1074, kNormal = 0x1p-1022, kHuge = 1e300, kSmall = 1e-300;
   static constexpr double kTurns = 0x1p50;
   static constexpr double kExpHighest = 709.782712893384, kExpLowest = -745.13321910194122;
   static constexpr double kBeyondLow = -750, kBeyondHigh = 720;
-  static double any_finite(TestNumbers& numbers) { return numbers.any_finite(); }
-};
-template <>
-struct TestRange<float> {
-  static constexpr float kTiny = 0x1p-149f, kNormal = 0x1p-126f, kHuge = 1e38f, kSmall = 1e-38f;
-  static constexpr float kTurns = 0x1p21f;
-  static constexpr float kExpHighest = 88.72283f, kExpLowest = -103.97208f;
-  static constexpr double kBeyondLow = -110, kBeyondHigh = 95;
-  static float any_finite(TestNumbers& numbers) {
-    for (;;) {
-      const float x = __builtin_bit_cast(float, static_cast<std::uint32_t>(numbers.bits()));
-      if (x - x == 0.0f) return x;
-    }
-  }
 };
 
 // One result per lane of f(a, b, c), computed in one pack or in eight scalar calls.
-template <class T, class Real, class F>
-void add_results(BitsHash& hash, F f, const Real* a, const Real* b, const Real* c) {
-  Real out[kLanes];
-  if constexpr (std::is_same_v<T, Real>) {
+template <class T, class F>
+void add_results(BitsHash& hash, F f, const double* a, const double* b, const double* c) {
+  double out[kLanes];
+  if constexpr (std::is_same_v<T, double>) {
     for (int i = 0; i < kLanes; ++i) out[i] = f(a[i], b[i], c[i]);
   } else {
     f(T::load_unaligned(a), T::load_unaligned(b), T::load_unaligned(c)).store_unaligned(out);
   }
-  for (Real x : out) hash.add(x);
+  for (double x : out) hash.add(x);
 }
 
 template <class T>
 std::uint64_t math_bits() {
-  using Real = Scalar<T>;
-  using Range = TestRange<Real>;
   BitsHash hash;
   TestNumbers numbers(20240917);
   constexpr int kBlocks = 4000;
-  constexpr Real infinity = std::numeric_limits<Real>::infinity();
-  const Real special[] = {0,
-                          Real(-0.0),
-                          1,
-                          -1,
-                          Real(0.5),
-                          -2,
-                          Real(0.25),
-                          Range::kTiny,
-                          -Range::kTiny,
-                          Range::kNormal,
-                          Range::kTurns,
-                          -Range::kTurns,
-                          Range::kExpHighest,
-                          Range::kExpLowest,
-                          infinity,
-                          -infinity,
-                          std::numeric_limits<Real>::quiet_NaN(),
-                          3,
-                          Range::kHuge,
-                          -Range::kSmall};
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const double special[] = {0,
+                            -0.0,
+                            1,
+                            -1,
+                            0.5,
+                            -2,
+                            0.25,
+                            TestRange::kTiny,
+                            -TestRange::kTiny,
+                            TestRange::kNormal,
+                            TestRange::kTurns,
+                            -TestRange::kTurns,
+                            TestRange::kExpHighest,
+                            TestRange::kExpLowest,
+                            infinity,
+                            -infinity,
+                            std::numeric_limits<double>::quiet_NaN(),
+                            3,
+                            TestRange::kHuge,
+                            -TestRange::kSmall};
   constexpr int kSpecial = sizeof(special) / sizeof(special[0]);
-  const auto uniform = [&](double low, double high) {
-    return static_cast<Real>(numbers.uniform(low, high));
-  };
+  const auto uniform = [&](double low, double high) { return numbers.uniform(low, high); };
   for (int block = 0; block < kBlocks; ++block) {
-    Real a[kLanes], b[kLanes], c[kLanes], turns[kLanes];
+    double a[kLanes], b[kLanes], c[kLanes], turns[kLanes];
     for (int i = 0; i < kLanes; ++i) {
       switch (block % 4) {
         case 0:
@@ -105,19 +83,19 @@ std::uint64_t math_bits() {
           c[i] = uniform(-4, 4), turns[i] = a[i];
           break;
         case 1:
-          a[i] = Range::any_finite(numbers), b[i] = Range::any_finite(numbers);
-          c[i] = Range::any_finite(numbers);
-          turns[i] = uniform(-Range::kTurns, Range::kTurns);
+          a[i] = numbers.any_finite(), b[i] = numbers.any_finite();
+          c[i] = numbers.any_finite();
+          turns[i] = uniform(-TestRange::kTurns, TestRange::kTurns);
           break;
         case 2:
-          a[i] = uniform(Range::kBeyondLow, Range::kBeyondHigh), b[i] = uniform(-30, 30);
+          a[i] = uniform(TestRange::kBeyondLow, TestRange::kBeyondHigh), b[i] = uniform(-30, 30);
           c[i] = -a[i] * b[i], turns[i] = a[i];
           break;
         default:
           a[i] = special[numbers.bits() % kSpecial], b[i] = special[numbers.bits() % kSpecial];
           c[i] = special[numbers.bits() % kSpecial];
           // The phase is promised up to kTurns only; infinity and NaN are promised to give NaN.
-          turns[i] = a[i] == Range::kHuge ? Real(0.125) : a[i];
+          turns[i] = a[i] == TestRange::kHuge ? 0.125 : a[i];
       }
     }
 #define TOMLIN_ADD(expression)                                            \

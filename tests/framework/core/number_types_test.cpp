@@ -1,4 +1,4 @@
-// What every number type has to offer, asked of double, float and Quad and of their packs alike.
+// What every number type has to offer, asked of double and Quad and of their packs alike.
 #include "framework/core/numbers/number_types.hpp"
 
 #include <algorithm>
@@ -16,7 +16,6 @@ namespace {
 
 template <class F>
 void for_each_real(F f) {
-  f.template operator()<float>();
   f.template operator()<double>();
   f.template operator()<Quad>();
 }
@@ -242,33 +241,15 @@ TARGET_TEST(NumberTypes, PermuteAndThreeLanes) {
   });
 }
 
-TARGET_TEST(NumberTypes, FloatLanesConvert) {
-  const Pack wide = ramp<double>() + Pack(0x1p-24);
-  const FloatPack narrow = to_float(wide);
-  for (int i = 0; i < kLanes; ++i) {
-    EXPECT_EQ(narrow.lane(i), static_cast<float>(wide.lane(i)));
-    EXPECT_EQ(to_double(narrow).lane(i), double{narrow.lane(i)});
-  }
-}
-
-TARGET_TEST(NumberTypes, FloatSubnormalsAreNotFlushed) {
-  const FloatPack tiny(0x1p-149f);
-  EXPECT_EQ(lanes_of(tiny + tiny).v[3], 0x1p-148f);
-  EXPECT_EQ(lanes_of(FloatPack(0x1p-100f) * FloatPack(0x1p-49f)).v[3], 0x1p-149f);
-  EXPECT_TRUE(all(tiny > 0.0f));
-}
-
 TARGET_TEST(NumberTypes, TauIsRoundedOnce) {
-  EXPECT_EQ(tau<float>(), 0x1.921fb6p+2f);
   EXPECT_EQ(tau<double>(), 0x1.921fb54442d18p+2);
   // tau<Quad>() itself is compared with more digits in quad_test.cpp.
   EXPECT_TRUE(tau<QuadPack>().lane(5) == tau<Quad>());
-  EXPECT_EQ(tau<FloatPack>().lane(5), tau<float>());
   EXPECT_EQ(tau<Pack>().lane(5), tau<double>());
-  const auto nested = tau<Dual<Dual<FloatPack, 2>, 3>>();
-  EXPECT_EQ(nested.value.value.lane(1), tau<float>());
-  EXPECT_EQ(nested.value.derivative[1].lane(1), 0.0f);
-  EXPECT_EQ(nested.derivative[2].value.lane(1), 0.0f);
+  const auto nested = tau<Dual<Dual<Pack, 2>, 3>>();
+  EXPECT_EQ(nested.value.value.lane(1), tau<double>());
+  EXPECT_EQ(nested.value.derivative[1].lane(1), 0.0);
+  EXPECT_EQ(nested.derivative[2].value.lane(1), 0.0);
 }
 
 TARGET_TEST(NumberTypes, DualLanesHaveTheBitsOfScalars) {
@@ -287,37 +268,29 @@ TARGET_TEST(NumberTypes, DualLanesHaveTheBitsOfScalars) {
   });
 }
 
-// Values, first and second derivatives of the types agree to the coarser one's rounding, which the
-// second derivative of x^2.5 log x and the like multiplies by up to a hundred.
-template <class Coarse, class Fine, class F>
+// Second derivatives in double and in Quad agree to the rounding of double, which the second
+// derivative of x^2.5 log x and the like multiplies by up to a hundred.
+template <class F>
 double second_derivative_distance(F function, double x) {
   const auto at = [&]<class Real>(Real) {
     using Second = Dual<Dual<Real, 1>, 1>;
     const auto f = function(Second::variable(Dual<Real, 1>::variable(Real(x), 0), 0));
     return f.derivative[0].derivative[0];
   };
-  const Quad exact(at(Fine()));
-  return static_cast<double>(abs(Quad(at(Coarse())) - exact) / (Quad(1) + abs(exact)));
+  const Quad exact = at(Quad());
+  return static_cast<double>(abs(Quad(at(double())) - exact) / (Quad(1) + abs(exact)));
 }
 
 TARGET_TEST(NumberTypes, SecondDerivativesAgreeToTheRounding) {
   constexpr double kRoundings = 100;
-  double float_distance = 0, double_distance = 0;
+  double distance = 0;
   for (double x : {0.3125, 0.8125, 1.25, 1.75}) {
-    const auto look = [&](auto function) {
-      const double in_float = second_derivative_distance<float, Quad>(function, x);
-      const double in_double = second_derivative_distance<double, Quad>(function, x);
-      float_distance = std::max(float_distance, in_float);
-      double_distance = std::max(double_distance, in_double);
-    };
-    look(everything);
-    look(inverse_functions);
+    distance = std::max(distance, second_derivative_distance(everything, x));
+    distance = std::max(distance, second_derivative_distance(inverse_functions, x));
   }
-  EXPECT_LT(float_distance, kRoundings * 0x1p-24);
-  EXPECT_LT(double_distance, kRoundings * 0x1p-53);
-  // The control: a float is not as good as a double, nor that as a Quad.
-  EXPECT_GT(float_distance, 0x1p-28);
-  EXPECT_GT(double_distance, 0x1p-57);
+  EXPECT_LT(distance, kRoundings * 0x1p-53);
+  // The control: a double is not as good as a Quad.
+  EXPECT_GT(distance, 0x1p-57);
 }
 
 }  // namespace TOMLIN_TARGET

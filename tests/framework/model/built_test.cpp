@@ -122,7 +122,7 @@ void expect_virtual_work(const std::string& force) {
   RunState state = [&] {
     StateLayout layout;
     model.declare(layout);
-    return RunState(layout, 1);
+    return RunState(layout);
   }();
   model.attach(state);
   model.start();

@@ -36,7 +36,7 @@ class Beside {
   Beside(const std::shared_ptr<const Scene>& scene, ManyForces& many) : model_(scene), many_(many) {
     StateLayout layout;
     model_.declare(layout);
-    state_ = RunState(layout, 1);
+    state_ = RunState(layout);
     model_.attach(state_);
     model_.start();
     const SystemView<double>& view = model_.system().view;

@@ -596,8 +596,8 @@ TEST(Rotor, RefusesWhatCannotBe) {
   };
   EXPECT_TRUE(about(faults(verlet(0.01), ""), "run.integrator.type"));
   EXPECT_TRUE(about(faults(adaptive(1e-6), "dynamics = \"overdamped\"\n"), "run.dynamics"));
-  EXPECT_TRUE(
-      about(faults(adaptive(1e-6), "number_type = \"float\"\n"), "run.number_type = \"float\""));
+  EXPECT_TRUE(about(faults(adaptive(1e-6), "number_type = \"quadruple\"\n"),
+                    "run.number_type = \"quadruple\""));
   EXPECT_TRUE(faults(adaptive(1e-6), "").empty());
 }
 

@@ -44,7 +44,7 @@ TEST(ElfNote, TellsWhatAPluginIs) {
   ASSERT_EQ(note.why, "");
   const auto parsed = parse_note(note.text);
   ASSERT_TRUE(parsed);
-  EXPECT_EQ(parsed->number_types, (std::vector<std::string>{"double", "float", "quadruple"}));
+  EXPECT_EQ(parsed->number_types, (std::vector<std::string>{"double", "quadruple"}));
   EXPECT_EQ(parsed->instruction_sets.front(), "baseline");
   EXPECT_EQ(mismatch(*parsed, own_note()), "");
   const auto less = parse_note(read(content(plugin("faulty"))).text);

@@ -136,7 +136,7 @@ ForceRecord faulty_record() {
   if (fault() == "two_keys") record.parameters.push_back(record.parameters.front());
   if (fault() == "type_as_key") record.parameters.front().key = "type";
   record.complaints = &complaints;
-  record.bind = {&bind, on_particles<Faulty, kernels::Faulty, kRankCheap>().in_float};
+  record.bind = {&bind, on_particles<Faulty, kernels::Faulty, kRankCheap>().in_quadruple};
   record.example = "see the tests";
   return record;
 }

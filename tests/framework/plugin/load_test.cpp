@@ -71,7 +71,6 @@ TEST(Plugins, AddTheirComponents) {
   const ForceRecord* morse = registry.force("morse");
   ASSERT_NE(morse, nullptr);
   EXPECT_EQ(morse->library, plugin("morse").string());
-  EXPECT_NE(morse->bind.in_float, nullptr);
   EXPECT_NE(morse->bind.in_quadruple, nullptr);
   EXPECT_NE(registry.body("dumbbell"), nullptr);
   EXPECT_NE(registry.integrator("symplectic_euler"), nullptr);
@@ -89,8 +88,7 @@ TEST(Plugins, WhatTheyHaveNoKernelsForIsLeftOut) {
   const ForceRecord* force = registry.force("faulty");
   ASSERT_NE(force, nullptr);
   EXPECT_NE(force->bind.in_double, nullptr);
-  EXPECT_EQ(force->bind.in_float, nullptr) << "the record has one, the note has not";
-  EXPECT_EQ(force->bind.in_quadruple, nullptr);
+  EXPECT_EQ(force->bind.in_quadruple, nullptr) << "the record has one, the note has not";
 }
 
 TEST(Plugins, FilesThatAreNone) {

@@ -48,7 +48,7 @@ ForceRecord morse_record() {
       parameter("rest_length", &MorseDescription::rest_length, dimension::length, "of each bond")
           .in(positive)};
   record.pairs = &pairs;
-  record.bind = {&bind<double>, &bind<float>, &bind<Quad>};
+  record.bind = {&bind<double>, &bind<Quad>};
   record.example = R"(# Two particles, stretched and let go.
 [[body]]
 type = "chain"

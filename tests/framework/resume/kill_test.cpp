@@ -166,8 +166,6 @@ std::vector<Named> scenes() {
            settings("1000", "{ type = \"velocity_verlet\", dt = 1e-2 }", "ledger = true\n")},
       {"chain, overdamped",
        kChain + settings("800", "{ type = \"rk4\", dt = 1e-2 }", "dynamics = \"overdamped\"\n")},
-      {"chain, float",
-       kChain + settings("800", "{ type = \"rk4\", dt = 1e-2 }", "number_type = \"float\"\n")},
       {"flexible ring",
        ring("particles") + settings("250", "{ type = \"rk4\", dt = 4e-3 }", "ledger = true\n")},
       {"rigid ring", ring("rigid") + settings("1500", kAdaptive)},

@@ -198,6 +198,11 @@ TEST(Blocking, AShortRunStatesNoError) {
   const RunResult result = run_text(trapped(0, 60.0));
   EXPECT_FALSE(error_of(result, "drivers.driver.mean_force.x"));
   EXPECT_EQ(count_of(FaultCode::run_error_not_estimated, result.warnings), 1U);
+  const auto warning = std::find_if(
+      result.warnings.begin(), result.warnings.end(),
+      [](const Warning& one) { return one.code == FaultCode::run_error_not_estimated; });
+  ASSERT_NE(warning, result.warnings.end());
+  EXPECT_NE(warning->text.find(" times as long is the least"), std::string::npos) << warning->text;
 }
 
 TEST(Blocking, WithoutNoiseThereIsNoStatisticalError) {

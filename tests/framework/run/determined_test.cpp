@@ -124,7 +124,7 @@ TEST(Determined, ADisturbanceOnTheWayIsOfTheSize) {
                "[run]\nduration = 1e-9\nintegrator = { type = \"rk4\", dt = 1e-12 }\n"));
   StateLayout layout;
   model.declare(layout);
-  RunState state(layout, 1);
+  RunState state(layout);
   model.attach(state);
   model.start();
   const double size = 1e-3 * kLength;

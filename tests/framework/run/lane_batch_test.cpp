@@ -776,7 +776,7 @@ TEST(LaneBatch, WhatARunTakesByItselfHasAReason) {
   EXPECT_EQ(
       reason(thermal(ring_of(0, "rigid"), 0, "leimkuhler_matthews", 0.002, kOverdamped), mean),
       "bodies are prescribed, or rigid ones move without inertia");
-  EXPECT_NE(reason(TipScene{.more = "number_type = \"float\"\n"}.text(), mean), "");
+  EXPECT_NE(reason(TipScene{.more = "number_type = \"quadruple\"\n"}.text(), mean), "");
   EXPECT_EQ(reason(TipScene{.more = "ledger = true\n"}.text(), mean), "");
   // A run that is short keeps a ledger of its own, and the drag of a formula has no kernel.
   std::string by_formula = tip_of(0);

@@ -32,7 +32,7 @@ const std::vector<std::string> kSchemes = {
 TEST(PrescribedMotion, ThatLeavesTheNumbersEndsTheRunThere) {
   constexpr double kAStep = 0.011;  // the failing step starts at most one step before
   for (const std::string& scheme : kSchemes) {
-    for (const char* type : {"double", "float"}) {
+    for (const char* type : {"double", "quadruple"}) {
       const RunResult result =
           run_text(pushed("\"sqrt(2 - t)\"", scheme + "number_type = \"" + type + "\"\n"));
       ASSERT_EQ(result.status, RunStatus::failed) << scheme << type;
@@ -100,7 +100,7 @@ TEST(PrescribedMotion, BesideAFreeBodyIsFollowedToTheTolerance) {
 
 TEST(PrescribedMotion, HasItsOwnLargestSpeedInEveryNumberType) {
   for (const std::string& scheme : kSchemes) {
-    for (const char* type : {"double", "float"}) {
+    for (const char* type : {"double", "quadruple"}) {
       const RunResult result =
           run_text(pushed("\"0.2 * cos(t)\"", scheme + "number_type = \"" + type + "\"\n"));
       // At the start: the vertex of a parabola through the first steps would exceed it.
@@ -115,18 +115,6 @@ std::string tip(const std::string& body, const std::string& run) {
          "start = [0.0]\n[[force]]\ntype = \"viscous_damping\"\ncoefficient = 1.0\n"
          "[run]\nduration = 1.0\n" +
          run;
-}
-
-TEST(Warnings, ToleranceThatAFloatDoesNotCarry) {
-  const auto with = [](const std::string& type, const std::string& tolerance) {
-    return run_text(tip("", "number_type = \"" + type +
-                                "\"\nintegrator = { type = \"dopri5\", absolute_tolerance = " +
-                                tolerance + ", relative_tolerance = " + tolerance + " }\n"));
-  };
-  EXPECT_EQ(briefs(with("float", "1e-9").warnings),
-            std::vector<std::string>{"run.integrator [integrator.fine_tolerance]"});
-  EXPECT_TRUE(with("float", "1e-5").warnings.empty());
-  EXPECT_TRUE(with("double", "1e-9").warnings.empty());
 }
 
 TEST(Warnings, VelocityWithoutInertia) {

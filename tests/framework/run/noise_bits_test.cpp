@@ -94,7 +94,7 @@ std::vector<NoisyScene> noisy_scenes() {
   for (const std::string scheme :
        {"baoab", "gjf", "velocity_verlet", "leimkuhler_matthews", "euler_maruyama"}) {
     const bool inertial = standard().integrator(scheme)->with_inertia;
-    for (const std::string type : {"double", "float", "quadruple"}) {
+    for (const std::string type : {"double", "quadruple"}) {
       const std::string run = noisy_run(scheme, "number_type = \"" + type + "\"\n");
       const std::string what = scheme + ", " + type;
       all.push_back({"tip, " + what, noisy_tip() + run});

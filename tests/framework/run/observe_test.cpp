@@ -117,7 +117,7 @@ TEST(Extremes, OfBlocksAreThoseOfTheirPoints) {
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
     StateLayout layout;
     Extremes::declare(layout, kSignals);
-    RunState states[] = {RunState(layout, 1), RunState(layout, 1)};
+    RunState states[] = {RunState(layout), RunState(layout)};
     Extremes both[2];
     for (int k = 0; k < 2; ++k) {
       both[k].attach(states[k], kSignals);

@@ -117,7 +117,7 @@ std::vector<Looked> looked() {
   tip_verlet.integrator = verlet(0.01);
   RingScene rigid_verlet = rigid;
   rigid_verlet.integrator = verlet(0.01);
-  const std::string as_float = "number_type = \"float\"\n";
+  const std::string in_quadruple = "number_type = \"quadruple\"\n";
   const std::string without_inertia = "dynamics = \"overdamped\"\n";
   const auto with = [](auto scene, const std::string& keys) {
     scene.more = keys;
@@ -131,9 +131,9 @@ std::vector<Looked> looked() {
           {"rigid ring, dopri5", rigid_adaptive.text(), 0.1, 4.0},
           {"tip, velocity_verlet", tip_verlet.text(), 0.01, 8.0},
           {"rigid ring, velocity_verlet", rigid_verlet.text(), 0.01, 4.0},
-          {"tip, rk4, float", with(tip, as_float), 0.01, 8.0},
-          {"tip, velocity_verlet, float", with(tip_verlet, as_float), 0.01, 8.0},
-          {"rigid ring, dopri5, float", with(rigid_adaptive, as_float), 0.1, 4.0},
+          {"tip, rk4, quadruple", with(tip, in_quadruple), 0.01, 8.0},
+          {"tip, velocity_verlet, quadruple", with(tip_verlet, in_quadruple), 0.01, 8.0},
+          {"rigid ring, dopri5, quadruple", with(rigid_adaptive, in_quadruple), 0.1, 4.0},
           {"tip, rk4, overdamped", with(tip, without_inertia), 0.01, 8.0},
           {"tip, dopri5, overdamped", with(tip_adaptive, without_inertia), 0.1, 8.0},
           {"rigid ring, rk4, overdamped", with(rigid, without_inertia), 0.01, 4.0}};

@@ -75,20 +75,30 @@ TEST(BadScene, Plugins) {
   });
 }
 
-TEST(BadScene, NotInThisVersion) {
+TEST(BadScene, OtherUnitsAreTheScenesOwn) {
+  const std::string faults = faults_of(replaced("name = \"a ring\"", "units = \"SI\""));
+  EXPECT_EQ(abridged(faults), "ring.toml:2:9: scene.units = \"SI\" [scene.unknown_choice]\n");
+  EXPECT_NE(faults.find("\"reduced\""), std::string::npos) << faults;
+  EXPECT_NE(faults.find("\"metal\""), std::string::npos) << faults;
+}
+
+/// A key of another table is refused with the name of that table.
+TEST(BadScene, KeysOfOtherTables) {
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"every", "[output]"},
+      {"from", "[measure]"},
+      {"lengths", "[box]"},
+      {"dt", "integrator = { type = ..., ... }"}};
+  for (const auto& [key, table] : cases) {
+    const std::string faults =
+        faults_of(replaced("duration = 1e4", "duration = 1e4\n" + key + " = 1"));
+    EXPECT_EQ(abridged(faults), "ring.toml:27:1: run." + key + " [scene.unknown_key]\n");
+    EXPECT_NE(faults.find(table), std::string::npos) << faults;
+  }
+}
+
+TEST(BadScene, KeysThatExcludeEachOther) {
   expect_faults({
-      {kRing,
-       R"(name = "a ring")",
-       R"(units = "real")",
-       {R"(2:9 scene.units = "real" [scene.not_in_this_version])"}},
-      {kRing,
-       "velocity = [1e-3, 0.0]",
-       "velocity = [1e-3, 0.0]\nreverse = { above = 1 }",
-       {"25:1 force.driver.reverse [scene.not_in_this_version]"}},
-      {kDots,
-       "position = [0.0]",
-       "position = [0.0]\nfile = \"x\"",
-       {"9:1 body.one.file [scene.not_in_this_version]"}},
       {kRing,
        "duration = 1e4",
        "duration = 1e4\naccuracy = 1e-6",
@@ -97,10 +107,6 @@ TEST(BadScene, NotInThisVersion) {
        "every = 1.0",
        "trajectory = true",
        {"34:14 output.trajectory = true [scene.conflict]"}},
-      {kRing,
-       R"(pairs = "all")",
-       R"(rest_lengths = "relaxed")",
-       {R"(18:16 force.bonds.rest_lengths = "relaxed" [scene.not_in_this_version])"}},
   });
 }
 

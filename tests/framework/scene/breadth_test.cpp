@@ -307,7 +307,7 @@ TEST(Perturb, FaultsHaveTheirPlace) {
 // ---- [run]
 
 TEST(RunSettings, TakesEveryNumberTypeDynamicsAndTheLedger) {
-  for (const char* type : {"double", "float", "quadruple"}) {
+  for (const char* type : {"double", "quadruple"}) {
     const auto scene =
         parsed(replaced("duration = 1e4",
                         std::string("duration = 1\nnumber_type = \"") + type + "\"\nledger = true"),

@@ -61,8 +61,8 @@ TEST(Edit, WhatIsAbsentBecomesALine) {
 }
 
 TEST(Edit, ATextMayEndWithoutALineBreak) {
-  EXPECT_EQ(with({{"run.number_type", "\"float\""}}, "[run]\nduration = 1.0"),
-            "[run]\nduration = 1.0\nnumber_type = \"float\"\n");
+  EXPECT_EQ(with({{"run.number_type", "\"quadruple\""}}, "[run]\nduration = 1.0"),
+            "[run]\nduration = 1.0\nnumber_type = \"quadruple\"\n");
 }
 
 TEST(Edit, KeepsByteOrderMarkAndLetters) {

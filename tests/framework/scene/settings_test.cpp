@@ -169,7 +169,6 @@ TEST(Settings, FaultsNameTheSetting) {
       {{"force.driver.attach.particle", "9"},
        "force.driver.attach.particle = 9 [scene.out_of_range]"},
       {{"run.seed", "1\nledger = true"}, "run.seed = 1 ledger = true [expression.syntax]"},
-      {{"constraints", "300"}, "constraints = 300 [scene.not_in_this_version]"},
       {{"sweep.k", "1"}, "sweep.k = 1 [command.invalid_value]"},
       {{"run.integrator", "{type=euler,dt=0.1}"},
        "run.integrator = {type=euler,dt=0.1} [scene.syntax]"},

@@ -35,7 +35,6 @@ inline BodyRecord dot() {
   describe(record, "dot",
            with_body_parameters<Dot>(
                {parameter("position", &Dot::position, dimension::length, "where it is")}));
-  record.reserved = {{"file", "positions from a file"}};
   record.make_description = make_description<Dot>;
   record.common = body_part<Dot>;
   record.dimension = [](const void* description) {
@@ -131,7 +130,6 @@ inline ForceRecord pull() {
        parameter("velocity", &Pull::velocity, dimension::velocity, "of its end"),
        parameter("attach", &Pull::attach, dimension::none, "where it is attached")
            .by_default(Attachment{})});
-  record.reserved = {{"reverse", "a turn of the pull"}};
   record.make_description = make_description<Pull>;
   record.complaints = no_complaints;
   record.period = no_period;
@@ -154,7 +152,6 @@ inline ForceRecord bonds() {
             parameter("rest_lengths", &Bonds::rest_lengths, dimension::length, "how long")
                 .in(positive)
                 .one_of({"initial"})
-                .not_yet({"relaxed"})
                 .by_default(WordOrNumbers{.word = "initial", .numbers = {}}),
             parameter("charge", &Bonds::charge, dimension::none, "of each particle")
                 .by_default(PerParticle{{1.0}})});

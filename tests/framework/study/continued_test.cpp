@@ -28,8 +28,6 @@ namespace {
 
 /// Numbers of doubles after some thousand steps.
 constexpr double kRoundingOfRuns = 1e-10;
-/// Of floats, whose last place is 6e-8, likewise.
-constexpr double kRoundingOfFloats = 1e-4;
 /// An adaptive scheme takes other steps, each within 1e-10, and slips enlarge what they differ by.
 constexpr double kOtherSteps = 1e-6;
 
@@ -133,7 +131,6 @@ std::vector<ContinuedCase> continued_cases() {
       {"overdamped", with("dynamics = \"overdamped\"")},
       {"quasistatic", replaced(with("dynamics = \"quasistatic\""), "integrator = " + rk4, ""),
        kOtherSteps},
-      {"float", with("number_type = \"float\""), kRoundingOfFloats},
       {"quadruple", with("number_type = \"quadruple\"")},
       {"far away", replaced(kContinuedTip, "position = [0.5]", "position = [-1000000.5]")},
       {"start of the driver",

@@ -132,7 +132,7 @@ TEST(MetalScene, Faults) {
       {"units = \"metal\"", "units = \"metall\"",
        "test.toml:2:9: scene.units = \"metall\" [scene.unknown_choice]", "u, K"},
       {"units = \"metal\"", "units = \"real\"",
-       "test.toml:2:9: scene.units = \"real\" [scene.not_in_this_version]", "\"metal\""},
+       "test.toml:2:9: scene.units = \"real\" [scene.unknown_choice]", "\"metal\""},
       {"units = \"metal\"", "units = \"metal\"\naxes = { length = \"a\" }",
        "test.toml:3:1: scene.axes [scene.conflict]", "reduced"},
       {"\"m / 3\"", "0.0", "test.toml:17:17: body.one.particle_mass = 0.0 [scene.out_of_range]",

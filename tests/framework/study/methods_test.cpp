@@ -27,7 +27,7 @@ bool has(const std::vector<Method>& methods, const std::string& name) {
                      [&name](const Method& method) { return method.name == name; });
 }
 
-TEST(Ladder, EveryIntegratorInDoubleAndInFloat) {
+TEST(Ladder, HasEveryIntegrator) {
   const std::vector<Method> methods = ladder_of(TipScene().text());
   for (const auto& integrator : standard().integrators()) {
     if (integrator->follows_equilibria) continue;
@@ -36,8 +36,6 @@ TEST(Ladder, EveryIntegratorInDoubleAndInFloat) {
       continue;
     }
     EXPECT_TRUE(has(methods, integrator->name)) << integrator->name;
-    EXPECT_EQ(has(methods, integrator->name + " in float"), integrator->bind.in_float != nullptr)
-        << integrator->name;
   }
 }
 
@@ -64,7 +62,7 @@ TEST(Ladder, SimplerModelsOfAFlexibleRing) {
   EXPECT_EQ(named(flexible, "rigid, rk4").refused, "");
   EXPECT_EQ(named(flexible, "rigid, overdamped, rk4").refused, "");
   EXPECT_FALSE(named(flexible, "rigid, rk4").is_own_model());
-  EXPECT_TRUE(named(flexible, "rk4 in float").is_own_model());
+  EXPECT_TRUE(named(flexible, "rk4").is_own_model());
   EXPECT_GT(named(flexible, "rigid, rk4").stable_step, 2.0 * named(flexible, "rk4").stable_step)
       << "its springs are gone";
   EXPECT_FALSE(has(ladder_of(RingScene{.coordinates = "rigid"}.text()), "rigid, rk4"));

@@ -216,16 +216,14 @@ struct Sets {
 
 template <class Real>
 class FormulaKernelsOf : public ::testing::Test {};
-using NumberTypes = ::testing::Types<double, float, Quad>;
+using NumberTypes = ::testing::Types<double, Quad>;
 TYPED_TEST_SUITE(FormulaKernelsOf, NumberTypes);
 
 /// Code against the graph in quadruple precision; element by element and in blocks of every length.
 TYPED_TEST(FormulaKernelsOf, HaveTheGraphsValueAndTheSameBitsInBlocks) {
   using Real = TypeParam;
   // Units of the last place of the number type; x^64 takes six squarings, each doubling the error.
-  const double unit = std::is_same_v<Real, float>    ? std::numeric_limits<float>::epsilon()
-                      : std::is_same_v<Real, double> ? std::numeric_limits<double>::epsilon()
-                                                     : 1e-33;
+  const double unit = std::is_same_v<Real, double> ? std::numeric_limits<double>::epsilon() : 1e-33;
   constexpr double kUnits = 600.0;
   constexpr std::size_t kMost = 150;  // more than two blocks
   for (const std::string& text : formulas()) {
@@ -239,7 +237,7 @@ TYPED_TEST(FormulaKernelsOf, HaveTheGraphsValueAndTheSameBitsInBlocks) {
     const Real start(0.25);
     Places places(kSeeds[1]);
     AlignedVector<Real> position(2 * padded(kMost), Real(0.0));
-    for (Real& x : position) x = Real(static_cast<float>(places.next()));
+    for (Real& x : position) x = Real(places.next());
     std::vector<Real> first(2 * kMost);
     for (const InstructionSet set : Sets<Real>::all()) {
       const auto& kernels = kernels::FormulaKernels.on<Real>(set);

@@ -59,8 +59,8 @@ TEST(KimFaults, AreToldWithTheirPlace) {
                     "model = \"tomlin_test_pair\"\n" +
                     kShortRun),
             "10:9 force.kim_model.model = " + sound + "[component.unsuitable]");
-  EXPECT_EQ(refused(of_two("tomlin_test_pair") + "number_type = \"float\"\n"),
-            "16:15 run.number_type = \"float\" [number_type.unsuitable]");
+  EXPECT_EQ(refused(of_two("tomlin_test_pair") + "number_type = \"quadruple\"\n"),
+            "16:15 run.number_type = \"quadruple\" [number_type.unsuitable]");
 }
 
 TEST(KimFaults, ModelsThatCannotBeUsedAreRefused) {
