@@ -37,7 +37,8 @@ const Registry& registry() {
   return all;
 }
 
-/// The same components, with every force a plugin's: each of its calls is guarded.
+/// Every force of this registry is a plugin's: its exceptions are caught, its arithmetic is
+/// checked.
 const Registry& registry_of_plugins() {
   static const Registry all = [] {
     const Registry& ours = registry();

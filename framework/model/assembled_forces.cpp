@@ -193,13 +193,10 @@ AssembledForces<Real>::AssembledForces(const AssemblyPlan& plan,
       continue;
     }
     const std::string& library = from.record->library;
-    // The code of a plugin is guarded in the thread of the run only.
+    // An exception of a plugin is caught in the thread of the run only.
     if (plan.team != nullptr && library.empty()) {
       auto* const sharing = dynamic_cast<SharesWork*>(force.bound.get());
       if (sharing != nullptr) sharing->share_with(*plan.team);
-    }
-    if (!library.empty()) {
-      force.bound = guarded(std::move(force.bound), "force " + from.name, library);
     }
     if (from.active) {
       auto switched = std::make_unique<SwitchedForce<Real>>(std::move(force.bound),

@@ -7,7 +7,6 @@
 
 #include "framework/core/elements/kernel_tables.hpp"
 #include "framework/core/elements/site_force.hpp"
-#include "framework/model/plugin_code.hpp"
 
 TOMLIN_DECLARE_TABLES(RigidKernels, RigidTable)
 
@@ -216,14 +215,6 @@ void Evaluation<Real>::add_point_forces(const std::vector<Pass<Real>>& passes,
   }
   view.point_forces = point_forces_.data();
   view.point_force_count = point_forces_.size();
-  const bool foreign = std::any_of(forces.begin(), forces.end(), [](const auto& force) {
-    return !force.record->library.empty();
-  });
-  if (!foreign) return;
-  for (const PointForce<Real>& point : point_forces_) {
-    direct_point_forces_.push_back(without_guard(point));
-  }
-  view.direct_point_forces = direct_point_forces_.data();
 }
 
 template <class Real>

@@ -97,7 +97,6 @@ class Evaluation {
   std::vector<Range> written_;        ///< all that kernels which set have to set
   Drifted drifted_;
   std::vector<PointForce<Real>> point_forces_;
-  std::vector<PointForce<Real>> direct_point_forces_;  ///< empty where they are the same
 };
 
 }  // namespace tomlin

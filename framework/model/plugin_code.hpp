@@ -5,8 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "framework/core/records/bound_force.hpp"
-#include "framework/core/system/scheme.hpp"
+#include "framework/core/records/force.hpp"
 #include "framework/core/text/fault.hpp"
 #include "framework/model/own_arithmetic.hpp"
 #include "framework/scene/scene.hpp"
@@ -87,18 +86,8 @@ auto bound_by(const Component& component, const char* kind, Action action) {
              "the plugin " + component.record->library + did)});
 }
 
-/// The force of a plugin, with each of its functions and kernels called as by in_plugin().
-template <class Real>
-std::unique_ptr<BoundForce<Real>> guarded(std::unique_ptr<BoundForce<Real>> force,
-                                          std::string component, std::string library);
-
-/// The point form of a force; that of a guarded force as the plugin made it, without the guard.
-template <class Real>
-PointForce<Real> without_guard(PointForce<Real> point);
-
-/// The same of the integrator of a plugin, which steps `system`, and of the path that it follows.
-std::unique_ptr<Integrator<double>> guarded(std::unique_ptr<Integrator<double>> integrator,
-                                            System<double>& system, std::string component,
-                                            std::string library);
+/// An exception that came out of a run of this scene, whose plugins are in use: names their forces
+/// and integrator, and else the libraries alone.
+PluginError thrown_by_plugins(const Scene& scene, const std::string& said);
 
 }  // namespace tomlin

@@ -29,10 +29,8 @@ BriefLedger::BriefLedger(const RunContext& run) {
   if (!integrates_rates(run)) return;
   splits_friction_ = !run.scheme.takes_any_scene();
   operations_.assign(view.operations, view.operations + view.operation_count);
-  if (view.direct_point_forces == nullptr) {
-    points_.assign(view.point_forces, view.point_forces + view.point_force_count);
-    dampers_.reserve(points_.size());
-  }
+  points_.assign(view.point_forces, view.point_forces + view.point_force_count);
+  dampers_.reserve(points_.size());
   lane_calls_ = run.model.assembly().lane_calls();
   const std::size_t before = points_.empty() ? 0 : 1;  // a point's force stands before its power
   std::size_t rate = view.used_rates + before;

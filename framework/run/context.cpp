@@ -46,10 +46,6 @@ RunContext::RunContext(const std::shared_ptr<const Scene>& scene_of_run,
   integrator = bound_by(from, "integrator", [&] {
     return integrator_in(scene->run.number_type, model, from.description.get(), scheme);
   });
-  if (!scheme.library.empty()) {
-    integrator =
-        guarded(std::move(integrator), model.system(), "integrator " + scheme.name, scheme.library);
-  }
   path = integrator->path();
   integrator->watch(watched_integrals(model), along_with_drivers(model));
 }
@@ -118,6 +114,7 @@ void RunContext::fail(StepFault fault, double h) {
 
 /// At the start of a step, or near it where a plugin throws between steps.
 void RunContext::fail(const PluginError& error) {
+  const OwnArithmetic restored(arithmetic_);
   if (!outcome.thrown) outcome.thrown = error;
   if (outcome.failure) return;
   RunFailure failure;
@@ -125,7 +122,8 @@ void RunContext::fail(const PluginError& error) {
   failure.step = static_cast<std::uint64_t>(clock.steps());
   failure.time = clock.time();
   constexpr std::string_view kForce = "force ";
-  if (error.component().starts_with(kForce)) {
+  if (error.component().starts_with(kForce) &&
+      error.component().find(" or ") == std::string::npos) {
     failure.force = error.component().substr(kForce.size());
   }
   failure.what = error.what();
@@ -133,11 +131,10 @@ void RunContext::fail(const PluginError& error) {
   outcome.failure = std::move(failure);
 }
 
-/// What the functions of a plugin's records throw is not told apart by record.
-void RunContext::fail_by_record(const std::string& said) {
-  std::vector<std::string> paths;
-  for (const Library& library : scene->libraries) paths.push_back(library.path);
-  fail(PluginError("a function of a record", fmt::format("{}", fmt::join(paths, " or ")), said));
+void RunContext::check_arithmetic() const {
+  if (scene->libraries.empty() || OwnArithmetic::mode() == arithmetic_) return;
+  { const OwnArithmetic restored(arithmetic_); }
+  throw thrown_by_plugins(*scene, "it has changed the mode of floating-point arithmetic");
 }
 
 }  // namespace tomlin

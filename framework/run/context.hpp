@@ -89,6 +89,9 @@ struct RunContext {
   /// False where a plugin has thrown something, which ends the run as failed.
   template <class Action>
   bool attempt(Action action);
+  /// The code of a plugin must leave the modes of rounding and of flushing to zero as they are.
+  /// Where it has not, they are restored, and PluginError is thrown.
+  void check_arithmetic() const;
 
   std::shared_ptr<const Scene> scene;
   RunOptions options;
@@ -106,15 +109,15 @@ struct RunContext {
   RunOutcome outcome;
 
  private:
-  void fail_by_record(const std::string& said);
-
   RunState before_;
+  OwnArithmetic::Mode arithmetic_ = OwnArithmetic::mode();
 };
 
 template <class Action>
 bool RunContext::attempt(Action action) {
   try {
     action();
+    check_arithmetic();
     return true;
   } catch (const PluginError& error) {
     fail(error);
@@ -124,10 +127,10 @@ bool RunContext::attempt(Action action) {
     throw;
   } catch (const std::exception& error) {
     if (scene->libraries.empty()) throw;
-    fail_by_record(error.what());
+    fail(thrown_by_plugins(*scene, error.what()));
   } catch (...) {
     if (scene->libraries.empty()) throw;
-    fail_by_record("an exception that is no std::exception");
+    fail(thrown_by_plugins(*scene, "an exception that is no std::exception"));
   }
   return false;
 }

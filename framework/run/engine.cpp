@@ -98,6 +98,14 @@ Engine::Parts::Parts(const std::shared_ptr<const Scene>& scene, const RunOptions
 } catch (const PluginError& error) {
   // Before the run has begun, of which something could be left.
   refuse_input(FaultCode::plugin_error, scene->file, "", error.what());
+} catch (const InputError&) {
+  throw;
+} catch (const std::bad_alloc&) {
+  throw;
+} catch (const std::exception& error) {
+  if (scene->libraries.empty()) throw;
+  refuse_input(FaultCode::plugin_error, scene->file, "",
+               thrown_by_plugins(*scene, error.what()).what());
 }
 
 /// From the scene's start, or a checkpoint, to just before the first step.

@@ -1,10 +1,7 @@
 #include "framework/run/fixed_grid.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-
-#include "framework/model/own_arithmetic.hpp"
 
 namespace tomlin {
 
@@ -14,9 +11,6 @@ FixedGrid::FixedGrid(StepParts parts) : Stepping(std::move(parts)) {
   point_positions_.assign(kBlock, 0.0);
   point_velocities_.assign(kBlock, 0.0);
   starts_ = {point_rates_.data(), point_positions_.data(), point_velocities_.data()};
-  // The guard of a plugin's integrator would restore the arithmetic before it is compared.
-  without_guard_ = run_.model.system().view.direct_point_forces != nullptr &&
-                   run_.scene->run.integrator.record->library.empty();
 }
 
 /// Times on the grid are products, not sums: step n ends at (n + 1) dt however many there were.
@@ -137,6 +131,7 @@ void FixedGrid::take_block(std::int64_t most) {
   StepFault fault = StepFault::none;
   const std::int64_t taken =
       run_.integrator->has_point_block() ? point_block(most, fault) : plain_block(most, fault);
+  run_.check_arithmetic();
   run_.clock.add(taken, taken);
   run_.clock.keep_cost(run_.model.system());
   run_.clock.set(two_prod(static_cast<double>(run_.clock.grid_steps()), run_.plan.dt));
@@ -158,9 +153,8 @@ std::int64_t FixedGrid::point_block(std::int64_t most, StepFault& fault) {
   const std::int64_t grid = run_.clock.grid_steps();
   const auto first = static_cast<std::size_t>(grid % kBlock);
   const auto wanted = static_cast<std::size_t>(most);
-  std::optional<std::size_t> steps = take_without_guard(first, wanted);
-  if (!steps) steps = run_.integrator->point_block(first, run_.plan.dt, wanted, starts_);
-  const auto taken = static_cast<std::int64_t>(*steps);
+  const auto taken =
+      static_cast<std::int64_t>(run_.integrator->point_block(first, run_.plan.dt, wanted, starts_));
   if (taken < most) fault = StepFault::not_finite_or_too_far;
   run_.seen = two_prod(static_cast<double>(grid + taken), run_.plan.dt);
   parts_.observation.point_block(grid, static_cast<std::size_t>(taken), starts_);
@@ -186,44 +180,6 @@ void FixedGrid::sample_end_of_block() {
   run_.model.evaluate_point(view.position[0], view.velocity[0], since, point_rates_.data());
   parts_.observation.sample_point(run_.clock.time(), view.position[0], view.velocity[0],
                                   point_rates_.data());
-}
-
-/// Nothing where no plugin's code is called, or where it has to be called with guards.
-///
-/// A guard around each call of a plugin's code costs as much as a small force. The block is taken
-/// without guards; when the code has thrown or changed the arithmetic, the state is restored,
-/// nothing is returned, and this and all later blocks are taken with guards.
-std::optional<std::size_t> FixedGrid::take_without_guard(std::size_t first, std::size_t most) {
-  // A first evaluation that is known already is used up by the attempt.
-  if (!without_guard_ || run_.integrator->evaluations_ahead() > 0) return std::nullopt;
-  System<double>& system = run_.model.system();
-  SystemView<double>& view = system.view;
-  const double position = view.position[0];
-  const double velocity = view.velocity[0];
-  const std::uint64_t evaluations = system.evaluations;
-  std::array<double, kGroup> integrals{};  // a scene of a point has no more
-  std::copy_n(view.integrals, view.used_rates, integrals.begin());
-  const OwnArithmetic::Mode mode = OwnArithmetic::mode();
-  const PointForce<double>* const guarded = view.point_forces;
-  std::optional<std::size_t> taken;
-  {
-    const OwnArithmetic own(mode);
-    view.point_forces = view.direct_point_forces;
-    try {
-      taken = run_.integrator->point_block(first, run_.plan.dt, most, starts_);
-      if (OwnArithmetic::mode() != mode) taken.reset();
-    } catch (...) {
-      // With guards the exception is attributed to its plugin, if it is thrown again.
-    }
-    view.point_forces = guarded;
-  }
-  if (taken) return taken;
-  without_guard_ = false;
-  view.position[0] = position;
-  view.velocity[0] = velocity;
-  std::copy_n(integrals.begin(), view.used_rates, view.integrals);
-  system.evaluations = evaluations;
-  return std::nullopt;
 }
 
 std::int64_t FixedGrid::plain_block(std::int64_t most, StepFault& fault) {

@@ -36,7 +36,6 @@ class FixedGrid : public Stepping {
   std::int64_t blocks_before(double time) const;
   void take_block(std::int64_t most);
   std::int64_t point_block(std::int64_t most, StepFault& fault);
-  std::optional<std::size_t> take_without_guard(std::size_t first, std::size_t most);
   void sample_within_block(std::int64_t grid, std::int64_t taken);
   void sample_end_of_block();
   std::int64_t plain_block(std::int64_t most, StepFault& fault);
@@ -48,7 +47,6 @@ class FixedGrid : public Stepping {
   AlignedVector<double> point_positions_;
   AlignedVector<double> point_velocities_;
   PointStarts<double> starts_;  ///< these
-  bool without_guard_ = false;  ///< plugins' point forces are called directly
 };
 
 }  // namespace tomlin

@@ -32,6 +32,9 @@ std::string why_not_in_lanes(const Model& model) {
   if (!scheme.in_lanes && scheme.adaptive_lanes == nullptr) {
     return "the integrator " + scheme.name + " has no steps in lanes";
   }
+  for (const Model::Force& force : model.forces()) {
+    if (!force.record->library.empty()) return "the force \"" + force.name + "\" is a plugin's";
+  }
   return LaneSystem::why_not(model);
 }
 

@@ -63,9 +63,6 @@ struct SystemView {
   /// The forces of a scene that is a single particle on a line; none otherwise.
   const PointForce<Real>* point_forces = nullptr;
   std::size_t point_force_count = 0;
-  /// The same without the guard around each call of a plugin's code, for a caller that guards a
-  /// block of steps and can repeat it; null where no plugin's code is among them.
-  const PointForce<Real>* direct_point_forces = nullptr;
 
   Real* force = nullptr;  ///< scratch for one evaluation
   Real* mapped_position = nullptr;

@@ -175,35 +175,6 @@ TEST(Plugins, TwoThatHaveTheSameName) {
   }
 }
 
-/// Each virtual function of a contract is passed on by its guard, `call` at a time: "force_->".
-void expect_whole(const std::string& header, const std::string& contract, const std::string& call,
-                  std::size_t at_least) {
-  const std::string folder = std::string(paths::source) + "/framework/";
-  const std::string text = content(folder + header);
-  const std::string guard = content(folder + "model/plugin_code.cpp");
-  const std::size_t begin = text.find("class " + contract + " {");
-  ASSERT_NE(begin, std::string::npos);
-  const std::string body = text.substr(begin, text.find("\n};", begin) - begin);
-  const std::regex function(R"(virtual [^~(;]*?(\w+)\()");
-  std::size_t count = 0;
-  for (std::sregex_iterator match(body.begin(), body.end(), function), end; match != end; ++match) {
-    const std::string name = (*match)[1];
-    EXPECT_NE(guard.find(call + name + "("), std::string::npos) << name;
-    ++count;
-  }
-  EXPECT_GE(count, at_least) << "the contract was not understood";
-}
-
-/// What a force or an integrator of a plugin is asked, its guard passes on.
-TEST(Plugins, TheGuardOfForcesIsWhole) {
-  expect_whole("core/records/bound_force.hpp", "BoundForce", "force_->", 20);
-}
-TEST(Plugins, TheGuardOfIntegratorsIsWhole) {
-  expect_whole("core/system/scheme.hpp", "Integrator", "integrator_->", 14);
-  expect_whole("core/system/scheme.hpp", "EquilibriumPath", "path_.", 6);
-}
-
-/// Beside one that is refused the others are loaded, and all refusals are told.
 TEST(Plugins, AllFaultsTogether) {
   Registry registry = standard_registry();
   try {
