@@ -51,7 +51,7 @@ int guarded_program(int argc, const char* const* argv) {
   } catch (const OutputError& error) {
     return end_with(kExitFailed, FaultCode::file_cannot_write, error.what() + or_a_plugin());
   } catch (const GnuplotError& error) {
-    return end_with(kExitFailed, FaultCode::plot_no_gnuplot, error.what() + or_a_plugin());
+    return end_with(kExitFailed, FaultCode::plot_no_matplotlib, error.what() + or_a_plugin());
   } catch (const std::bad_alloc&) {
     return end_with(kExitBadInput, FaultCode::scene_too_large,
                     "this takes more memory than there is" + or_a_plugin());

@@ -33,7 +33,7 @@ std::string program() {
 }
 
 [[noreturn]] void refuse(const std::string& name, int error) {
-  Fault fault(FaultCode::plot_no_gnuplot);
+  Fault fault(FaultCode::plot_no_matplotlib);
   fault.place.file = "tomlin";
   fault.key = name;
   fault.why = "figures are drawn by gnuplot, which cannot be started: " + message(error);

@@ -392,7 +392,7 @@ constexpr FaultKind kKinds[] = {
      "The folder has no column, body or sample that the figure needs.",
      "A figure of a run whose scene has no [output].",
      "Choose another figure or column, or run with it."},
-    {FaultCode::plot_no_gnuplot, "plot.no_gnuplot",
+    {FaultCode::plot_no_matplotlib, "plot.no_gnuplot",
      "Figures are drawn by gnuplot, which cannot be started.", "A machine without gnuplot.",
      "Install gnuplot (Debian: gnuplot-nox)."},
     {FaultCode::command_unknown, "command.unknown", "There is no command of this name.",

@@ -104,7 +104,7 @@ enum class FaultCode {
   output_too_large,
   output_events_dropped,
   plot_no_data,
-  plot_no_gnuplot,
+  plot_no_matplotlib,
   // The command line and the machine.
   command_unknown,
   command_unknown_option,
