@@ -14,7 +14,7 @@ from xml.etree import ElementTree
 # By scripts; by pytest; by GoogleTest, with the reason in the line that follows.
 REASON = re.compile(r"^(?:skipped[^:\n]*: (.*)|SKIPPED \[\d+\] \S+ (.*)|\S+:\d+: Skipped\n(.*))$",
                     re.MULTILINE)
-# What no package cures, or none that is worth its size: openkim-models takes 245 MB.
+# No package cures these, or none that is worth its size: openkim-models takes 245 MB.
 ALLOWED = ("this processor lacks the instructions", "only one instruction set",
            "builds with assertions only", "mounting a file system is not allowed",
            "the superuser may read everything", "root may write everywhere",

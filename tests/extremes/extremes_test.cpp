@@ -66,7 +66,7 @@ void expect_as_it_must(const ExtremeCase& extreme, const Observed& observed) {
   EXPECT_EQ(codes_of(observed.warnings), ids_of(extreme.warnings));
 }
 
-/// What came of the cases that were run, for the page.
+/// Outcomes of the cases that were run, for the page.
 std::map<std::string, Observed>& all_observed() {
   static std::map<std::string, Observed> observed;
   return observed;
@@ -111,7 +111,7 @@ class Page : public testing::Test {
   Subject subject_;
 };
 
-/// As NAME.CASE, with SLOW_ before the name of a slow one; NAME.page is the page's section.
+/// Registers NAME.CASE, slow_NAME.CASE for a slow one, and NAME_page for the page's section.
 void register_cases() {
   for (const Subject& subject : subjects()) {
     for (const ExtremeCase& extreme : subject.cases) {

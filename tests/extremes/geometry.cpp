@@ -7,7 +7,7 @@ namespace {
 
 const double kDragOfRing = 2.0 * std::sqrt(2.0) * 0.1;
 
-/// What a ring of eight that cannot roll feels of the corrugation: its particles' mean phase.
+/// Returns the corrugation on a ring of eight that cannot roll: its particles' mean phase.
 double corrugation_of_ring(long double radius) {
   const long double pi = 3.141592653589793238462643383279503L;
   const long double side = radius / std::sqrt(2.0L);

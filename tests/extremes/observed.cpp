@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kTextFiles[] = {kSummaryFile, kTableFile, kEventsFile, kXyzFile};
 
-/// Where a text has a word "nan" or "inf", with what stands before it; empty: nowhere.
+/// Returns the first word "nan" or "inf" of a text, with the text before it; empty: there is none.
 std::string not_finite_in(const std::string& name, const std::string& text) {
   constexpr std::size_t kBefore = 40;
   std::string word;

@@ -8,7 +8,7 @@
 
 namespace tomlin::test {
 
-/// What came of an extreme scene.
+/// Outcome of an extreme scene.
 struct Observed {
   Outcome outcome = Outcome::finished;
   std::string message;  ///< of a refusal or a failure

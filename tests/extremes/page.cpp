@@ -31,7 +31,7 @@ std::string cell(std::string text) {
   return safe;
 }
 
-/// Of all faults the first, without its place in the file.
+/// Returns the first of all faults, without its position in the file.
 std::string first_fault(const std::string& message) {
   const std::string line = message.substr(0, message.find('\n'));
   const std::size_t error = line.find("error: ");

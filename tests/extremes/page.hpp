@@ -8,7 +8,7 @@
 
 namespace tomlin::test {
 
-/// What the page says before its tables.
+/// Returns the text of the page before its tables.
 std::string page_preface();
 
 /// A table of one subject; `observed` in the order of its cases, empty for a case not run.

@@ -12,8 +12,8 @@
 #include "tests/support/ring_scenes.hpp"
 #include "tests/support/spoilt_registry.hpp"
 
-// What `tomlin check` looks at, over every component of the registry, none of which it may accuse,
-// and over forces that are wrong on purpose, all of which it must.
+// `tomlin check` verifies every component of the registry, none of which it may flag, and forces
+// that are wrong on purpose, all of which it must flag.
 
 namespace tomlin::test {
 namespace {
@@ -106,7 +106,7 @@ integrator = { type = "rk4", dt = 1e-3 }
 
 // ---- right forces
 
-/// What a scene need not show.
+/// Properties that a scene need not show.
 bool may_be_unseen(const std::string& property) {
   static const std::set<std::string> all = {"not conservative", "not internal", "uses velocity",
                                             "uses time",        "tight",        "digits"};
@@ -128,7 +128,7 @@ void expect_sound(const std::string& text, const std::string& name, std::uint64_
   }
 }
 
-/// Of every force, body, integrator and observer: whatever has an example.
+/// Every force, body, integrator and observer that has an example is checked.
 TEST(CheckSuite, AccusesNoComponentsExample) {
   for (const std::uint64_t seed : kSeeds) {
     for (const auto& record : standard().forces())
@@ -340,7 +340,7 @@ TEST(CheckSuite, AccusesNoTorqueThatCancels) {
   }
 }
 
-/// What time does to an energy is rounded as the time is: phases of many turns, in any units.
+/// An energy that depends on time is rounded as the time is: phases of many periods, in any units.
 TEST(CheckSuite, AccusesNoFastLawOfTime) {
   for (const std::uint64_t seed : kSeeds) {
     for (const double frequency : {1.0, 10.0, 100.0, 1e4, 1e6}) {

@@ -21,7 +21,7 @@ using Broken = std::map<std::string, std::string>;
 
 constexpr std::uint64_t kSeeds[] = {20240611, 7, 424242};
 
-/// Which ways to pair particles and to attach springs have come up, by dimension.
+/// Notes which ways to pair particles and to attach springs have come up, by dimension.
 void note_kinds(const ForceRecord& record, const void* description, int dimension,
                 std::set<std::string>& seen) {
   for (const Parameter& row : record.parameters) {

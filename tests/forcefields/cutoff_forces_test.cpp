@@ -63,7 +63,7 @@ std::string lennard_jones(const std::string& where, const std::string& at_cutoff
          "\nepsilon = 0.7\nsigma = 0.9\ncutoff = 1.9\nat_cutoff = \"" + at_cutoff + "\"\n";
 }
 
-/// Of their paper, Table I.
+/// Lindsay and Broido's numbers for carbon, Table I of their paper.
 constexpr TersoffNumbers kLindsayBroido = {3.0,    1.0,     0.0,       38049.0, 4.3484,
                                            -0.930, 0.72751, 1.5724e-7, 2.2119,  430.0,
                                            1.95,   0.15,    3.4879,    1393.6};
@@ -86,8 +86,8 @@ const std::string kCarbide =
     "2.4799 1830.8\n";
 std::size_t is_silicon(std::size_t i) { return static_cast<std::size_t>(i * i % 5 < 2); }
 
-/// The same with other cutoffs: in the presence of a third particle a longer one than in a bond,
-/// and in a bond from one side a shorter one than from the other.
+/// Silicon and carbon with other cutoffs: in the presence of a third particle a longer one than in
+/// a bond, and in a bond from one side a shorter one than from the other.
 std::string unlike_carbide() {
   std::string text = kCarbide;
   for (const auto& [old_text, new_text] :
@@ -188,7 +188,7 @@ TEST(CutoffForces, HaveTheBitsOfNewListsWhereverTheyHaveBeen) {
     expect_bits_of_new_lists("[box]\nlengths = [6.5, 6.6, 6.7]\nperiodic = [true, true, true]\n" +
                                  body("a", carbon) + kTersoff + kRunOfClusters,
                              0.02, seed);
-    // Where second neighbours are about as far away as the longest cutoff, and elsewhere.
+    // One of these spacings puts second neighbours about as far away as the longest cutoff.
     for (const double spacing : {1.9, 2.12, 2.6}) {
       const auto atoms = cluster(4, spacing, 0.1, seed);
       expect_bits_of_new_lists(carbide(atoms), 0.02, seed);
@@ -424,7 +424,7 @@ TEST(Tersoff, HasTheMotionOfExplicitSchemesInImplicitOnes) {
   EXPECT_NEAR(energy_of("radau9"), expected, kOfTolerances * expected);
 }
 
-/// What belongs to a bond is needed in its entry alone.
+/// Numbers that belong to a bond are needed in its entry alone.
 TEST(Tersoff, RefusesABondOfNoExponent) {
   std::vector<std::string> faults;
   parse_tersoff("C C C  3 1 0 38049 4.3484 -0.57058\n0 0 0 0 1.95 0.15 0 0\n", "some", faults);

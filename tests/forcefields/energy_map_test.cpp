@@ -71,7 +71,7 @@ Site<T, D> site_at(const Surface& d, const Vec<T, D>& place) {
   return site;
 }
 
-/// Of the map on a square lattice with the period 1: u and v are x and y.
+/// Returns the energy of the map on a square lattice with the period 1: u and v are x and y.
 double energy_at(const Surface& d, double u, double v) {
   return LatticeOfMap::energy(parameters_of<LatticeOfMap, 2>(d),
                               site_at(d, Vec<double, 2>{{u, v}}));
@@ -249,8 +249,8 @@ TEST(EnergyMap, SecondDerivativesAreContinuous) {
   EXPECT_GT(jump_of_third, 1.0) << "negative control";
 }
 
-/// What bounds the curvature holds it, and is of its size: also where all of it is along a
-/// diagonal.
+/// The bound on the curvature holds and is of the curvature's size, also if all curvature is along
+/// a diagonal.
 TEST(EnergyMap, CurvatureIsBounded) {
   using Slope = Dual<double, 2>;
   NumberTable diagonal{24, {}};

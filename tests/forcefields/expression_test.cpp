@@ -299,8 +299,8 @@ integrator = { type = "rk4", dt = 0.3 }
   EXPECT_NE(found.failure->cause.find("column 6"), std::string::npos) << found.failure->cause;
 }
 
-/// What a slope no longer shows, and what a sine has no phase of, ends a run as the energy does:
-/// on every instruction set, since a NaN is a NaN.
+/// An undefined value that a slope no longer shows, or a sine without a phase, ends a run as an
+/// undefined energy does: on every instruction set, since a NaN is a NaN.
 TEST(Expression, ARunEndsWhereTheEnergyDoes) {
   struct Case {
     const char* law;

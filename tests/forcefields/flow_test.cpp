@@ -130,7 +130,7 @@ TEST(FrictionFlow, IsTheExactFlowOfTheDrag) {
         }
         return all;
       };
-      // As a force it is what the dampers are.
+      // The drag of the operator, as a force, equals the force of the dampers.
       const std::vector<double> due = slopes();
       std::fill_n(view.force, view.dofs, 0.0);
       const Flow<double>& flow = view.flows[0];

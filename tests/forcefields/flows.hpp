@@ -97,14 +97,14 @@ struct ThermalInSequence : Thermal {
   }
 };
 
-/// The same numbers in every step.
+/// Draws the same numbers in every step.
 struct ThermalWithoutStep : Thermal {
   static double velocity(const Flowing& f, double v) {
     return kicked(f, v, uniform_symmetric(f.stage.key, {0, f.stage.part, f.at, 0}));
   }
 };
 
-/// The same whatever the scene's seed and the force.
+/// Draws the same numbers for every seed of the scene and for every force.
 struct ThermalWithoutKey : Thermal {
   static double velocity(const Flowing& f, double v) {
     return kicked(f, v, uniform_symmetric({}, {f.stage.step, f.stage.part, f.at, 0}));
@@ -262,7 +262,7 @@ class MemoryWithFlow {
 struct WholeHeat {
   static double heat(double kinetic, double stored) { return kinetic + stored; }
 };
-/// What the force stores is taken for lost.
+/// Counts the energy that the force stores as dissipated.
 struct KineticHeat {
   static double heat(double kinetic, double) { return kinetic; }
 };

@@ -287,7 +287,7 @@ TEST(FormulaOfParticles, AResumedRunHasTheSameBits) {
   Engine first(scene, {});
   first.advance(137);
   const std::vector<std::byte> numbers = first.state().to_bytes();
-  // What is resumed has been read from the effective scene.
+  // A resumed run has read the effective scene.
   Engine second(scene_of(scene->effective_toml), {});
   second.resume(numbers);
   second.run();
@@ -453,7 +453,7 @@ TEST(FormulaOfParticles, ARunThatLeavesTheRangeOfOneParticleNamesIt) {
       << found.failure->cause;
 }
 
-/// What is not asked of the text, which is looked at for the first particles only, the kernels see.
+/// The text is checked for the first particles only; the kernels find the faults of the others.
 TEST(FormulaOfParticles, APhaseThatIsLostNamesTheParticle) {
   const std::string text = replaced(nine_under("energy = \"0.1*cos(2*pi*(x + 1e17*floor(i/80)))\""),
                                     "count = 9", "count = 100");

@@ -222,7 +222,7 @@ TEST(LatticeSubstrate, StarsAreWholeAndInOrderOfLength) {
   EXPECT_EQ(sizes(rectangular, 3), (Sizes{1, 1, 2}));
 }
 
-/// The same potential by other vectors of the same lattice, and term by term.
+/// The potential is the same by other vectors of the same lattice, and term by term.
 TEST(LatticeSubstrate, WaysToDescribeALatticeAgree) {
   Surface surface = named(SurfaceLattice::hexagonal);
   surface.amplitude = Surface::kAbsent;
@@ -404,7 +404,7 @@ TEST(LatticeSubstrate, ASideViewIsACutThroughTheSurface) {
   });
 }
 
-/// What has no amplitude makes no NaN of an exponential beyond all numbers.
+/// An exponential that overflows makes no NaN if its amplitude is zero.
 TEST(LatticeSubstrate, OnlyWhatDivergesOverflows) {
   Surface surface = named(SurfaceLattice::hexagonal, 0.1);
   surface.decay.numbers = {0.1};
@@ -484,7 +484,7 @@ TEST(LatticeSubstrate, WholeCellsChangeNoBit) {
   }
 }
 
-/// The same number in quadruple precision, with all digits of the place.
+/// Sums the harmonics in quadruple precision, with all digits of the position.
 Quad energy_of_sum(const Surface& d, Quad x, Quad y) {
   const auto reciprocal = reciprocal_lattice(d);
   Quad total(0.0);
@@ -526,7 +526,7 @@ TEST(LatticeSubstrate, FarAwayItIsAsExactAsNearby) {
           const double exact = static_cast<double>(energy_of_sum(surface, full[0], full[1]));
           EXPECT_NEAR(evaluate<LatticeFirst>(surface, place, origin).energy, exact, kFewRoundings)
               << cells;
-          // What a place that is stored as one double has: some 1e-16 of it.
+          // A position that is stored as one double has an error of some 1e-16 of it.
           const double stored =
               energy(surface, static_cast<double>(full[0]), static_cast<double>(full[1]));
           if (cells == 1e12) {
@@ -704,7 +704,7 @@ TEST(LatticeSubstrate, ABoxHasToFit) {
   EXPECT_EQ(refused(high, "0, 0, 1", box("2.0, 1.0, 1.0", "true, false, false")), "");
 }
 
-/// Of a lattice that lies across the axes a run knows its place as well as of one along them.
+/// A run knows its position in a lattice that lies across the axes as well as in one along them.
 TEST(LatticeSubstrate, ARunFarAwayIsThatOfTheSamePlaceNearby) {
   const double x = 1e9;
   const double y = 0.25;

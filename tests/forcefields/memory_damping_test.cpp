@@ -138,7 +138,7 @@ struct Scheme {
   Window order;
 };
 
-/// Of the position at the end; rounding takes over below 1e-13.
+/// The error is that of the position at the end; rounding takes over below 1e-13.
 TEST(MemoryDamping, ConvergesWithTheOrderOfTheScheme) {
   constexpr double kFloor = 1e-13;
   const std::vector<Scheme> schemes = {
@@ -167,8 +167,8 @@ TEST(MemoryDamping, ConvergesWithTheOrderOfTheScheme) {
   }
 }
 
-/// What the spring in it stores and the dashpot takes adds up with the kinetic energy; what is left
-/// over is the scheme's, and falls with its order or better.
+/// The energy stored in its spring and that dissipated in its dashpot add up with the kinetic
+/// energy; the rest is the error of the scheme, and falls with its order or better.
 TEST(MemoryDamping, TheLedgerBalancesToTheOrderOfTheScheme) {
   const Memory memory{0.9, 0.6};
   std::vector<double> steps, errors;

@@ -48,7 +48,7 @@ std::string corrugated_chain(const std::string& body = "origin = [0.0]\n", int c
          "[[force]]\ntype = \"sinusoidal_substrate\"\namplitude = 0.4\nperiod = 1.3\n";
 }
 
-/// What the links have, from their variables.
+/// Returns the energy of the links, from their variables.
 double energy_of_links(Engine& engine, std::size_t links, double freedom, double temperature,
                        double period) {
   const std::vector<double> own = field_of(engine, "integrals");
@@ -90,7 +90,7 @@ ChainMoments moments_of(const std::string& text, double position_variance,
   return found;
 }
 
-/// Of 20 000 units of time, some 3000 periods: second moments scatter by 0.02 from start to start,
+/// In 20 000 units of time, some 3000 periods, second moments scatter by 0.02 from start to start,
 /// fourth ones by 0.04 (measured); windows are five times as wide.
 bool is_canonical(const ChainMoments& found) {
   constexpr Window kSecond{0.9, 1.1};
@@ -172,11 +172,11 @@ TEST(NoseHooverChain, KeepsTheTemperatureInMetalUnits) {
       "type = \"nose_hoover_chain\"\ntemperature = 300.0\nperiod = 0.1\n[run]\nduration = 200.0\n"
       "integrator = { type = \"baoab\", dt = 2e-3 }\n[measure]\nin = \"time\"\nfrom = 10.0\n");
   ASSERT_EQ(result.status, RunStatus::finished);
-  // Of 20 free coordinates in 190 ps, thousands of exchanges with the chain.
+  // The mean is over 20 free coordinates in 190 ps, thousands of exchanges with the chain.
   EXPECT_NEAR(body_of(result, "body")["temperature"][0], 300.0, 6.0);
 }
 
-/// Of centre and rotation, which have three coordinates together.
+/// Centre and rotation have three coordinates together.
 TEST(NoseHooverChain, KeepsTheTemperatureOfARigidBody) {
   const std::string ring =
       "[[body]]\nname = \"body\"\ntype = \"ring\"\ncount = 5\nradius = 0.8\n"
@@ -327,7 +327,7 @@ TEST(NoseHooverChain, PrecisionsAgreeWithinTheirRounding) {
     return std::max({most, std::abs(found.position[0] - exact.position[0]),
                      std::abs(found.velocity[0] - exact.velocity[0])});
   };
-  // Of 400 steps, whose rounding a chaotic motion has made some thousand times larger by then.
+  // A chaotic motion has made the rounding of 400 steps some thousand times larger by then.
   EXPECT_LT(worst(end("double")), 1e-12);
 }
 

@@ -82,15 +82,15 @@ std::unique_ptr<BoundForce<Real>> planted_by_set(const void* description,
   });
 }
 
-/// What the suite says of the force of this name when it is bound in another way. Number types that
-/// are not given are not looked at. With `until` no more than is needed to see that one broken.
+/// Returns the properties that break if the force of this name is bound in another way. Number
+/// types that are not given are not checked. `until` ends the check once that property breaks.
 inline std::vector<std::string> broken_properties(const std::string& name,
                                                   const ForceFactories& bind,
                                                   void (*spoil)(ForceRecord&) = nullptr,
                                                   const std::string& until = {}) {
   ForceRecord record = *standard().force(name);
   record.bind = bind.in_double ? bind : ForceFactories(record.bind.in_double);
-  // Those in its place have no noise.
+  // Forces in its place have no noise.
   if (name == "memory_damping") record.traits_of = nullptr;
   if (spoil) spoil(record);
   Conformance check(record);

@@ -18,7 +18,7 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/scenes.hpp"
 
-// What components say about themselves: examples, ranges, names, and that nothing is left out.
+// Records of components are complete and true: examples, ranges, names.
 
 namespace tomlin::test {
 namespace {
@@ -59,7 +59,7 @@ TEST(Conformance, TemperaturesAreOfTheDimensionOfTemperature) {
   EXPECT_GE(found, 3);
 }
 
-/// Of the component's example with another value; paths name a force by its type.
+/// Faults of the component's example with another value; paths name a force by its type.
 std::vector<Fault> faults_with(const ComponentRecord& record, const std::string& path,
                                const std::string& value) {
   try {
@@ -133,7 +133,7 @@ TEST(Sources, CanBeCited) {
     EXPECT_FALSE(cited.empty());
     for (const Citation& citation : cited) {
       EXPECT_TRUE(can_be_found(citation.work)) << citation.work;
-      // The same work is written the same way everywhere.
+      // Every citation writes a work in the same way.
       EXPECT_EQ(works.try_emplace(identity_of(citation), citation.work).first->second,
                 citation.work);
     }
@@ -269,7 +269,7 @@ TEST(Registration, AnIncompleteRecordIsRejected) {
     expect_completeness_is_required(*scheme);
     EXPECT_TRUE(refused(*scheme, [](IntegratorRecord& r) { r.bind = nullptr; }));
     EXPECT_TRUE(refused(*scheme, [](IntegratorRecord& r) { r.step = nullptr; }));
-    // What it says of its stability, in either way.
+    // A record has to state its stability, in either way.
     EXPECT_TRUE(refused(*scheme, [](IntegratorRecord& r) {
       r.growth = nullptr;
       r.stable_step = nullptr;

@@ -26,8 +26,8 @@ constexpr double kBond = 1.42;
 constexpr double kEpsilon = 0.002411;
 constexpr double kSigma = 3.4;
 constexpr double kCutoff = 10.0;
-/// Of graphene of this bond: how deep the well is and how strong the largest attraction, to a part
-/// in a hundred.
+/// A sheet of graphene of this bond has a well this deep and an attraction this strong at most, to
+/// a part in a hundred.
 constexpr double kDepth = 0.035;
 constexpr double kPull = 0.0216;
 /// At other places than those at which the error was measured it may be larger, by hardly more.
@@ -246,7 +246,7 @@ TEST(SheetField, HasItsVerifiedProperties) {
   EXPECT_EQ(check.broken(), (std::map<std::string, std::string>{}));
 }
 
-/// Which others are in its group of eight, and whether they need more harmonics, does not matter.
+/// The others in its group of eight, and their need for more harmonics, do not affect a particle.
 TEST(SheetField, OfAParticleHasTheBitsOfThatParticleAlone) {
   for (const unsigned seed : kSeedsOfPlaces) {
     const std::vector<Space> places = random_places(seed, 37);

@@ -30,8 +30,8 @@ struct Weakening {
     const double left = 1.0 / (1.0 + u / weakening);
     return force * left / u * (width * width / (u * u) - v * v * left / (u * weakening));
   }
-  /// Where the slope vanishes: u^3 - 2 w^2 u - w^2 v_w = 0 with u^2 = v^2 + w^2, by Newton's method
-  /// from above.
+  /// Returns the speed of zero slope: u^3 - 2 w^2 u - w^2 v_w = 0 with u^2 = v^2 + w^2, by Newton's
+  /// method from above.
   double strongest_at() const {
     const double square = width * width;
     double u = 2.0 * width + weakening;
@@ -119,7 +119,7 @@ TEST(VelocityWeakening, AFreeBlockStopsLaterThanByCoulombsLaw) {
 /// grows where F' < 0 and decays where F' > 0.
 TEST(VelocityWeakening, SteadySlidingIsUnstableWhereFrictionFallsWithSpeed) {
   constexpr double kOffset = 1e-6;
-  // Of the offset: its square over the width, grown over the run; and the tolerance.
+  // Relative error: the square of the offset over the width, grown over the run; and the tolerance.
   constexpr double kNonlinear = 1e-3;
   const Weakening law;
   const double critical = law.strongest_at();

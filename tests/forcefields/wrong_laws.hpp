@@ -204,7 +204,7 @@ struct CutOff : HookesLaw {
   }
 };
 
-/// The same with the energy shifted, which is right.
+/// Hooke's law, cut off with the energy shifted, which is right.
 struct CutOffAndShifted : CutOff {
   template <class Real>
   static Real energy(const Real& k, const Real& rest, const Real& r) {

@@ -26,7 +26,7 @@ int main(int argc, char** argv) try {
     return 1;
   }
   for (const fs::path& file : files) {
-    // What was being read when the target aborts is the last line.
+    // The last line names the file that was being read when the target aborts.
     std::printf("%s\n", file.filename().c_str());
     std::fflush(stdout);
     std::ifstream stream(file, std::ios::binary);

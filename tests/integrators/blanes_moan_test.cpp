@@ -11,7 +11,7 @@
 #include "tests/support/order.hpp"
 #include "tests/support/ring_scenes.hpp"
 
-// What the symplectic scheme promises beyond its order for one particle (order_test.cpp).
+// Properties of the symplectic scheme beyond its order for one particle (order_test.cpp).
 
 namespace tomlin::test {
 namespace {

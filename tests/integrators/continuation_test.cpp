@@ -41,7 +41,7 @@ struct Tip {
     return 0.5 * k * (X - x) * (X - x) + V0 * std::cos(kTau * x);
   }
 
-  /// Where the first well's equilibrium ends, and where the tip then goes.
+  /// The first well's equilibrium ends at this position; the tip then goes to landing().
   double fold_place() const { return 1.0 - std::acos(1.0 / s()) / kTau; }
   double fold() const { return fold_place() + slope(fold_place()) / k; }
   double landing() const {
@@ -253,7 +253,7 @@ TEST(QuasistaticTip, EndsWhenItIsSteady) {
   EXPECT_NEAR(result.driver(0)["mean_force"][0], tip.lost(), kForceError);
 }
 
-/// The same bits after a resume, wherever it was stopped.
+/// A resumed run has the same bits, wherever it was stopped.
 TEST(QuasistaticTip, GoesOnFromItsNumbers) {
   const auto scene = scene_of(Tip{}.scene());
   Engine whole(scene, {});

@@ -32,7 +32,7 @@ struct Problem {
   Equations equations;
   std::vector<double> start;
   double duration = 0.0;
-  /// Of the equations' state and of the run's result: numbers to be compared.
+  /// Numbers to be compared, from the equations' state and from the run's result.
   std::function<std::vector<double>(const std::vector<double>&)> seen;
   std::function<std::vector<double>(const RunResult&)> found;
 };

@@ -15,8 +15,8 @@
 namespace tomlin::test {
 namespace {
 
-/// Of forces, and so of results: what may be lost before a run fails, twice over, and the step's
-/// own second order.
+/// Relative error of forces, and so of results: what may be lost before a run fails, twice over,
+/// and the step's own second order.
 constexpr double kAllowed = 0.03;
 
 class Draw {

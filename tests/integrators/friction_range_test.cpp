@@ -16,7 +16,7 @@ namespace tomlin::test {
 namespace {
 
 constexpr double kStep = 0.05;
-/// Of schemes of second order with steps of 0.05/omega, and of rounding.
+/// The error of schemes of second order with steps of 0.05/omega, and of rounding.
 constexpr double kStepError = 5e-3;
 constexpr double kTolerance = 1e-9;  ///< of adaptive schemes
 
@@ -46,7 +46,7 @@ Outcome outcome(const Oscillator& o, const IntegratorRecord& scheme) {
   const RunResult result = run_text(text);
   if (result.failure) outcome.said = result.failure->what;
   for (const Warning& warning : result.warnings) {
-    // What is said of windows and the like is no word on friction.
+    // Warnings of windows and the like do not concern friction.
     if (warning.code == FaultCode::integrator_weak_drag) outcome.said = warning.text;
   }
   if (!outcome.said.empty()) return outcome;

@@ -12,10 +12,10 @@
 #include "framework/core/numbers/normal_numbers.hpp"
 #include "tests/support/scenes.hpp"
 
-// What schemes with noise promise, without statistics. On a free, a dragged and a harmonic particle
-// a step is y' = A y + B z + c with normal numbers z. The matrices are read off by unit states and
-// by the numbers z, which follow from key and step; the stationary covariance, the drift and the
-// diffusion of the scheme are those of these matrices.
+// Properties of schemes with noise, without statistics. On a free, a dragged and a harmonic
+// particle a step is y' = A y + B z + c with normal numbers z. The matrices are read off by unit
+// states and by the numbers z, which follow from key and step; the stationary covariance, the drift
+// and the diffusion of the scheme are those of these matrices.
 
 namespace tomlin::test {
 namespace {
@@ -26,7 +26,7 @@ using Vector = Eigen::VectorXd;
 /// Relative. Matrices are read off to some 1e-16, and equations with them lose up to four digits at
 /// h gamma = 1e-3 and near h omega = 2.
 constexpr double kClosedForm = 1e-10;
-/// Of a step against its matrices: some roundings of numbers of order one to a hundred.
+/// A step agrees with its matrices to some roundings of numbers of order one to a hundred.
 constexpr double kLinear = 1e-12;
 
 constexpr double kStepLength = 0.7;
@@ -41,7 +41,7 @@ const std::vector<double> kTurned = {0.05, 0.3, 1.0, 1.5, 1.9};
 
 RandomKey bath_key() { return {kNoiseSeed, stream_of("bath", kNoiseStream)}; }
 
-/// Of the only particle, on a line.
+/// Returns the normal number of the only particle, on a line.
 double bath_number(std::uint64_t step, std::uint64_t part) {
   constexpr std::size_t kTogether = 2 * kGroup;  // steps that share their numbers
   alignas(64) double numbers[kTogether];
@@ -159,7 +159,7 @@ struct LinearStep {
     return s;
   }
 
-  /// What one number of the rest of the state moves the position by, in all steps to come.
+  /// Displacement, in all steps to come, per unit of each number of the rest of the state.
   Eigen::RowVectorXd moves() const {
     const auto rest = a.rows() - 1;
     const Matrix left = Matrix::Identity(rest, rest) - a.bottomRightCorner(rest, rest);
@@ -492,7 +492,7 @@ TEST(LangevinScheme, RigidBodyWithFrictionOffItsCentre) {
               EXPECT_NEAR(s(i, j) / scale, i == j ? 1.0 : 0.0, kClosedForm) << i << ", " << j;
             }
           }
-          // What is held stays.
+          // Held coordinates stay.
           for (Eigen::Index k = 0; k < 3; ++k) {
             if (std::find(moving.begin(), moving.end(), k) == moving.end()) {
               EXPECT_EQ(other[k], 0.0);
@@ -539,7 +539,7 @@ TEST(LangevinScheme, EveryCoordinateHasNumbersOfItsOwn) {
     const BodySlot<double>& slot = probe.body(k).bound.slot;
     const std::size_t first = slot.rigid ? slot.centre : slot.offset;
     const std::size_t length = slot.rigid ? 3 : 2 * slot.stride;
-    // Of a flow of infinite length nothing is left but the numbers.
+    // A flow of infinite length leaves nothing but the random numbers.
     const Vector to =
         probe.flow(k, first, Vector::Zero(static_cast<Eigen::Index>(length)), 1e3, false, 5);
     for (std::size_t i = 0; i < length; ++i) {

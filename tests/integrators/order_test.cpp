@@ -147,7 +147,7 @@ TEST(Order, OfAMeanBetweenStepEnds) {
       errors.push_back(std::abs(result.driver(0)["mean_force"][0] - exact));
     }
     const double order = fitted_order(scheme.steps(), errors, 0.1 * kRoundingFloor);
-    // Where in a step the edge falls changes with the step, so the fit scatters more.
+    // The edge falls elsewhere in a step if the step changes, so the fit scatters more.
     EXPECT_GT(order, scheme.dense.low - 0.3) << scheme.name;
     EXPECT_LT(order, 1.3 * scheme.dense.high) << scheme.name;
   }
@@ -313,7 +313,7 @@ TEST(Evaluations, FourPerStepOfRk4) {
   EXPECT_EQ(result.force_evaluations, 4 * result.steps);
 }
 
-/// What a sample needs at the end of a step may be the next step's first evaluation.
+/// The evaluation for a sample at the end of a step may be the first of the next step.
 TEST(Evaluations, SamplesCostRk4OneAtMost) {
   KeptSamples kept;
   RunOptions options;
@@ -561,7 +561,7 @@ TEST(Growth, HasTheKnownLimits) {
   }
 }
 
-/// What the order test makes of a scheme that is not one of fourth order: the Euler step.
+/// The order test detects a scheme that is not one of fourth order: the Euler step.
 TEST(Order, AnotherOrderIsSeen) {
   const Oscillator o = damped();
   std::vector<double> errors;

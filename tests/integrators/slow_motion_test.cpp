@@ -15,7 +15,7 @@ namespace {
 
 /// Relative error of a mean force under default tolerances of 1e-7, which hold for each step.
 constexpr double kMeanError = 1e-6;
-/// The same where rounding is what limits it: F is known to 1e-16 or so, and averages over steps.
+/// The error if rounding limits it: F is known to 1e-16 or so, and averages over steps.
 constexpr double kRoundedError = 1e-4;
 /// Friction of order v^3, relative to that of order v: times v squared.
 constexpr double kNextOrder = 100.0;
@@ -37,7 +37,7 @@ struct Slow {
            "\nduration = " + digits(3.0 / v) + "\nledger = true\nintegrator = " + integrator +
            "\n[measure]\nfrom = 1.0\nto = 3.0\nin = \"driver_periods\"\n";
   }
-  /// Of `count` particles that share all of it.
+  /// Forces that `count` particles share evenly.
   std::string forces(int count) const {
     const double n = count;
     return "[[force]]\nname = \"driver\"\ntype = \"driving_spring\"\nstiffness = " + digits(k) +
@@ -122,7 +122,7 @@ TEST(SlowMotion, RandomScenes) {
   }
 }
 
-/// Where double precision does not carry what is dissipated the run says so.
+/// A run reports that double precision does not resolve the dissipated energy.
 TEST(SlowMotion, SaysWhereRoundingIsAll) {
   const Slow slow{.v = 1e-14};
   const RunResult result = run_text(slow.tip());
@@ -158,8 +158,8 @@ TEST(SlowMotion, StickSlipGetsThroughAtCoarseTolerances) {
   }
 }
 
-/// Where a force jumps a shorter step errs by as much, beside what it dissipates: it passes all the
-/// same.
+/// At a jump of a force a shorter step errs by as much, beside what it dissipates: the step is
+/// accepted all the same.
 TEST(SlowMotion, StepsOverAJumpOfAForce) {
   const RunResult found = run_text(R"toml(
 body = [{ name = "tip", type = "point", position = [0.0], particle_mass = 1.0 }]

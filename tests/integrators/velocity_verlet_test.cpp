@@ -15,7 +15,7 @@
 #include "tests/support/quadratic_drag.hpp"
 #include "tests/support/ring_scenes.hpp"
 
-// What velocity Verlet promises beyond its order for one particle (order_test.cpp): friction as an
+// Properties of velocity Verlet beyond its order for one particle (order_test.cpp): friction as an
 // exact flow, second order for every kind of body, energy that does not drift, and refusals where
 // it would be silently wrong.
 
@@ -71,7 +71,7 @@ TEST(Friction, StableHoweverStrong) {
   }
 }
 
-/// What the record says of the drag is what the scheme does: the speed under a steady force.
+/// The drag error of the record is that of the scheme: the speed under a steady force.
 TEST(Friction, DragIsOffByWhatTheRecordSays) {
   constexpr double kRounding = 1e-10;  // of places, over the window
   const auto drag_error = standard().integrator("velocity_verlet")->drag_error;

@@ -29,8 +29,9 @@ ACCURACIES = (1e-2, 1e-4, 1e-6)
 FAMILIES = ("drivers", "bodies", "energy")
 EXTREMES = ("max_force", "min_force", "peak_to_peak_force", "static_force", "max_speed")
 
-# Of some thousand results of a few seeds. Above the aims, 1 % and 5 times, by what chance leaves of a
-# small number; below them by nothing: errors stated so large that none is ever outside are too large.
+# Bounds for some thousand results of a few seeds. They exceed the aims, 1 % and 5 times, by what
+# chance leaves of a small number, and are not below them: errors stated so large that none is ever
+# outside are too large.
 MOST_OUTSIDE = 0.02
 MOST_FAR_OUTSIDE = 0.003
 FAR = 5.0

@@ -89,7 +89,7 @@ def main():
                     wrong = said and off > ESTIMATE * tolerance
                     false += wrong
                     worst = max(worst, off / tolerance if said else 0.0)
-                    # What is steady in the first quarter of the run has to be seen to be.
+                    # A mean that is steady in the first quarter of the run has to be found steady.
                     if last < PERIODS / 4:
                         steady += 1
                         in_time += said and periods <= MOST_LATE * (last + 4)

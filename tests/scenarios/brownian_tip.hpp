@@ -8,8 +8,8 @@
 
 #include "tests/scenarios/scenario_fixture.hpp"
 
-/// What is known of a tip without inertia in a bath, by quadrature and by linear algebra: no random
-/// number is drawn here.
+/// Reference results for a tip without inertia in a bath, by quadrature and by linear algebra: no
+/// random number is drawn here.
 namespace tomlin::test {
 
 /// xi x' = force + (2 pi V0/a) sin(2 pi x/a) + noise, in units of the period a and of xi.
@@ -68,7 +68,7 @@ struct BrownianTip {
   }
 };
 
-/// The same tip, held by a spring of stiffness k whose end X = 1/2 + v t moves. Its Smoluchowski
+/// A BrownianTip held by a spring of stiffness k whose end X = 1/2 + v t moves. Its Smoluchowski
 /// equation, by finite volumes in the frame of the spring's end, y = x - X:
 ///   dp/dt = d/dy (U'(y, t) p + T dp/dy),  U = V(y + X) + k y^2/2 + v y,
 /// with the fluxes of Scharfetter and Gummel, which have exactly the Boltzmann distribution at
@@ -103,7 +103,7 @@ class SmoluchowskiTip {
   }
 
  private:
-  /// Of the probability in a cell: from the one below, of itself, from the one above.
+  /// Rates of the probability in a cell: from the one below, of itself, from the one above.
   struct Rates {
     Eigen::ArrayXd below, self, above;
   };

@@ -29,7 +29,7 @@ double value(const Comparison& comparison, std::size_t k) {
   return comparison.models.at(k).value.value();
 }
 
-/// What all scenes ask for; two of them may differ by twice as much.
+/// All scenes ask for this accuracy; two of them may differ by twice as much.
 constexpr double kAccuracy = 2e-6;
 
 TEST(Comparison, ARingIsATipWhereItIsSmallAndTheForceDoesNotDieOff) {

@@ -83,7 +83,7 @@ TEST(FrenkelKontorova, GoldenMeanIsPinnedAboveAubrysTransition) {
   // These hold 6.9, 3.8 and 3.0 times the force.
   for (const Approximant chain : {Approximant{21, 13}, Approximant{34, 21}, Approximant{55, 34}}) {
     const auto result = run_shipped(kGoldenMean, golden(chain, 1.05, kSmallForce));
-    // What is left of the way into the pinned shape, at rates of some 1e-2 after 3000.
+    // The approach to the pinned shape leaves this, at rates of some 1e-2 after 3000.
     EXPECT_LT(std::abs(mean_velocity(result)), 1e-6 * kSmallForce) << chain.particles;
   }
 }

@@ -27,7 +27,7 @@ double static_force(const RunResult& result) { return result.driver(0)["static_f
 
 // ---- the balance of forces ----------------------------------------------------------------------
 
-/// Where a function that rises from negative to positive is zero.
+/// Returns the zero of a function that rises from negative to positive.
 template <class F>
 double root(F&& f, double low, double high) {
   for (int k = 0; k < 70; ++k) {
@@ -37,7 +37,7 @@ double root(F&& f, double low, double high) {
   return 0.5 * (low + high);
 }
 
-/// Where a function is largest: on a grid, then by thirds between its neighbours.
+/// Returns the position of the maximum: on a grid, then by thirds between its neighbours.
 template <class F>
 double place_of_maximum(F&& f, double from, double to) {
   constexpr int kPlaces = 500;
@@ -77,7 +77,7 @@ class Balance {
   double against(double x) const {
     return sum(x, [&](double w) { return slope(w); });
   }
-  /// Of the atoms.
+  /// Returns the energy of the atoms.
   double energy(double x) const {
     return sum(x, [&](double w) {
       const double u = slope(w) / ka_;
@@ -89,8 +89,8 @@ class Balance {
     return against(place_of_maximum([&](double x) { return against(x); }, fold_ - 1.0, fold_));
   }
 
-  /// What a slip loses, a period long: from where the driver can pull no further, k + G' = 0, to
-  /// the same place of the driver in the next well.
+  /// Returns the loss of a slip, a period long: from where k + G' = 0 and the driver can pull no
+  /// further, to the same position of the driver in the next well.
   double mean_force(double k) const {
     const auto pull = [&](double x) { return k * x + against(x); };  // k times the driver's place
     const double from = place_of_maximum(pull, fold_ - 1.0, fold_);
@@ -129,7 +129,7 @@ class Balance {
   double fold_ = 0.0;
 };
 
-/// Of runs that follow equilibria at their standard tolerance, 1e-9, and slips a few of them.
+/// Runs follow equilibria at their standard tolerance, 1e-9, and slips at a few times that.
 constexpr double kFollowed = 1e-8;
 
 TEST(MovingSubstrate, SlowDrivingIsTheBalanceOfForces) {
@@ -169,7 +169,7 @@ TEST(MovingSubstrate, StiffAtomsTendToFixedOnesAsOneOverTheirStiffness) {
 
 // ---- at finite speed ----------------------------------------------------------------------------
 
-/// What two runs at a tolerance of 1e-9 may differ by, relatively, after some thousand steps.
+/// Two runs at a tolerance of 1e-9 may differ by this, relatively, after some thousand steps.
 constexpr double kSameModel = 1e-7;
 
 /// The tip of the shipped scene over a field.
@@ -238,7 +238,7 @@ TEST(MovingSubstrate, ARingTurnsAsACogwheel) {
   for (const double teeth : {8.0, 9.0}) {
     const RunResult result = run_shipped(kRing, {{"N", text_of(teeth)}});
     const double rolling = 2.0 * kPi / teeth;
-    // What is left of the start after four periods, exp(-xi t / (2 m)), is far below this.
+    // The rest of the start after four periods, exp(-xi t / (2 m)), is far below this.
     EXPECT_NEAR(result.body(0)["rolling"].value(), rolling, 1e-7);
     const double steady = 2.0 * std::sqrt(2.0) * 1e-2 * (1.0 + rolling * rolling);
     EXPECT_GT(mean_force(result), steady);  // motion that is not quite steady costs more

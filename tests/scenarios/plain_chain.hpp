@@ -29,7 +29,7 @@ class PlainChain {
     for (double& u : u_) u += by;
   }
 
-  /// What the substrate takes from each particle, on average: at rest with the centre held it is
+  /// Returns the mean force of the substrate on a particle: at rest with the centre held it is
   /// minus the force that holds it.
   double mean_force() const { return mean(forces()); }
 

@@ -19,7 +19,7 @@ constexpr const char* kStickSlip = "prandtl_tomlinson/stick_slip.toml";
 constexpr const char* kMultipleSlip = "prandtl_tomlinson/multiple_slip.toml";
 constexpr const char* kOverdamped = "prandtl_tomlinson/overdamped.toml";
 
-/// What all three scenes share.
+/// All three scenes share these parameters.
 constexpr double kAmplitude = 0.1;
 constexpr double kPeriod = 1.0;
 constexpr double kLargestForce = 2.0 * kPi * kAmplitude / kPeriod;  // F_c
@@ -76,7 +76,7 @@ TEST(PrandtlTomlinson, SlidesSmoothlyAtViscousCost) {
 }
 
 TEST(PrandtlTomlinson, SlidesNoLongerSmoothlyBeyondOne) {
-  // The same damping at s = 1.5 costs far more than viscosity: the scene can tell.
+  // At s = 1.5 the same damping costs far more than viscosity, so the test can fail.
   const auto result = run_shipped(kSmooth, {{"s", "1.5"}});
   EXPECT_GT(mean_force(result), 5.0 * parameter_of(kSmooth, "xi") * 1e-3);
 }
@@ -149,7 +149,7 @@ TEST(PrandtlTomlinson, UnderdampedSlipsGoSeveralPeriods) {
   ASSERT_GE(lengths.size(), 5U);
   for (const double length : lengths) EXPECT_GT(length, 1.5);
 
-  // The same spring with damping beyond the critical one: back to single slips.
+  // Damping of the same spring beyond the critical one brings back single slips.
   Trace damped;
   run_shipped(kMultipleSlip, {{"damping", "2"}}, &damped);
   const auto single = slips(damped["tip.centre_of_mass.x"], kPeriod);

@@ -7,7 +7,7 @@
 
 #include "tests/scenarios/trace.hpp"
 
-/// What one reads off a friction trace: phases of rolling and of dragging, kinks.
+/// Properties of a friction trace: phases of rolling and of dragging, kinks.
 namespace tomlin::test {
 
 /// A stretch of a trace in which a ring rolls, or is dragged, all the time.

@@ -31,8 +31,8 @@ TEST(RollingRingFig2, IsTheRingThatIsMovedByHand) {
   }
 }
 
-/// What single slips of a tip lose per period in the limit of slow driving: from the fold, where
-/// s cos(2 pi x) = 1, to the next place of rest for the same place of the driver.
+/// Returns the loss of single slips of a tip per period in the limit of slow driving: from the
+/// fold, s cos(2 pi x) = 1, to the next position of rest for the same position of the driver.
 double quasistatic_loss(double amplitude, double stiffness) {
   const double s = 4.0 * kPi * kPi * amplitude / stiffness;
   const auto driver_over = [&](double x) {

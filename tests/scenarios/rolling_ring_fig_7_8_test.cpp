@@ -45,13 +45,13 @@ TEST(RollingRingFig7, RollsWhenSlowAndIsDraggedWhenFast) {
   }
   // At the paper's fast end no ring that rolls could have so little friction.
   EXPECT_LT(mean_force(run_shipped(kFig7, {{"v", "0.1"}})), kDamping * 0.1 * kGear);
-  // Where rolling ends friction falls with the velocity.
+  // Friction falls with the velocity at the end of rolling.
   EXPECT_GT(mean_force(run_shipped(kFig7, {{"v", "0.01"}})),
             1.05 * mean_force(run_shipped(kFig7, {{"v", "0.02"}})));
 }
 
-/// What the corrugation adds to the mean force of a ring in fast motion: it is shaken at the
-/// washboard frequency along x, y and its rotation, and each loses to drag.
+/// Returns the part of the corrugation in the mean force of a ring in fast motion: it is shaken at
+/// the washboard frequency along x, y and its rotation, and each loses to drag.
 double shaking(double v, double lambda) {
   using Complex = std::complex<double>;
   const double omega = 2.0 * kPi * v;

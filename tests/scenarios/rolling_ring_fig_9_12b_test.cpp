@@ -87,7 +87,7 @@ struct Hop {
   double rotation;  ///< largest less smallest on the way
 };
 
-/// Where y_c rises by more than 0.2 R without falling, after the first of ten periods.
+/// Finds rises of y_c by more than 0.2 R without a fall, after the first of ten periods.
 std::vector<Hop> hops(const char* radius) {
   Trace trace;
   run_shipped(kFig9, {{"R", radius}}, &trace);

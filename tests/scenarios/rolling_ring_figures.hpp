@@ -13,7 +13,7 @@
 #include "tests/scenarios/scenario_fixture.hpp"
 #include "tests/scenarios/trace.hpp"
 
-/// What the tests of the figures of Sircar and Patra share.
+/// Fixture of the tests of the figures of Sircar and Patra.
 namespace tomlin::test {
 
 inline constexpr int kParticles = 8;
@@ -66,7 +66,7 @@ inline double difference_to(const std::vector<RigidRing::Place>& places, const T
   return largest;
 }
 
-/// The same for a trace that is sampled each hundredth of a period, with `steps` between samples.
+/// Takes a trace that is sampled each hundredth of a period, with `steps` between samples.
 inline double difference_to(const RigidRing& ring, const Trace& trace, int steps) {
   const auto intervals = static_cast<int>(trace["time"].size()) - 1;
   return difference_to(ring.trace(intervals, 0.01 / ring.velocity, steps), trace);

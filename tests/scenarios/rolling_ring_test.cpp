@@ -81,7 +81,7 @@ TEST(RollingRing, IsAGear) {
   }
 }
 
-/// What a ring that turns by 1/N per period loses at the least: drag at even speeds.
+/// Returns the least loss of a ring that turns by 1/N per period: drag at even speeds.
 double lower_bound() {
   const double xi = parameter_of(kRigid, "xi");
   const double v = parameter_of(kRigid, "v");

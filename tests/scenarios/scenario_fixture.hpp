@@ -50,7 +50,7 @@ inline RunResult run_text(std::string_view text, const std::vector<Setting>& set
   return finished(run(parse_scene(text, "scene.toml", registry(), settings)));
 }
 
-/// What a resolved parameter of a shipped scene is worth.
+/// Returns the value of a resolved parameter of a shipped scene.
 inline double parameter_of(const std::string& scene, const std::string& name,
                            const std::vector<Setting>& settings = {}) {
   const auto read =

@@ -19,7 +19,7 @@
 namespace tomlin::test {
 namespace {
 
-/// Of a normal number: one in 16000 is farther out. Seeds are fixed.
+/// One normal number in 16000 is farther out. Seeds are fixed.
 constexpr double kSigmas = 4.0;
 
 struct Estimate {
@@ -361,7 +361,7 @@ class RingInABath {
   static constexpr double kV0 = 0.1, kK = 2.0, kV = 1e-3, kStep = 0.02;
   static constexpr double kXi = 2.8284271247461903;
 
-  /// Of the four that are not mirror images.
+  /// Averages over the four particles that are not mirror images.
   double S() const {
     double sum = 0.0;
     for (int i = 0; i < 4; ++i) sum += std::cos(2.0 * kPi * std::cos(phi_ + 0.25 * kPi * i));

@@ -20,7 +20,7 @@ double number_at(const RunResult& result, const std::string& path) {
 
 TEST(TipInTwoDimensions, AlongARowItIsATipInOne) {
   const RunResult scan = run_shipped(kScanLine);
-  // The same tip on -2 V0 cos(2 pi x/a); steps of rk4 in both.
+  // The second tip moves on -2 V0 cos(2 pi x/a); both take steps of rk4.
   const RunResult tip = run_text(R"(
 [[body]]
 type = "point"

@@ -29,7 +29,7 @@ class Trace : public RunSink {
     return columns_[static_cast<std::size_t>(found - names_.begin())];
   }
 
-  /// Of a particle in a sample, with `[output] trajectory`.
+  /// Position of a particle in a sample, with `[output] trajectory`.
   double position(std::size_t sample, std::size_t particle, std::size_t axis) const {
     return positions_.at(sample).at(particle * dimension_ + axis);
   }

@@ -16,7 +16,7 @@
 #include "tests/support/random_description.hpp"
 #include "tests/support/scenes.hpp"
 
-/// What `tomlin check` verifies (framework/model/properties.hpp), on many scenes of one force:
+/// Runs the checks of `tomlin check` (framework/model/properties.hpp) on many scenes of one force:
 /// those of its record's example, and parameters drawn from the record's own rows on bodies of
 /// every kind.
 namespace tomlin::test {
@@ -166,7 +166,7 @@ class Conformance {
   }
 
  private:
-  /// Of parameters, until particles are no nearer than they allow.
+  /// Parameters are drawn this often, until particles are no nearer than they allow.
   static constexpr int kMostDraws = 20;
 
   const ForceRecord& record_;

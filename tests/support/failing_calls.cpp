@@ -66,7 +66,7 @@ bool fails(const char* opened = nullptr) {
   return true;
 }
 
-/// Of the first write that fails half gets through, where that was asked for.
+/// Half of the first write that fails gets through, if that was asked for.
 bool half_is_left(size_t size) {
   static bool done = false;
   return how("half") && size > 1 && !std::exchange(done, true);

@@ -12,8 +12,8 @@
 #include "framework/core/text/fault.hpp"
 #include "framework/core/text/warning.hpp"
 
-/// What tests assert of a fault: its place, key, value, code and the name that it suggests, not its
-/// wording; and of a warning its key and code.
+/// Tests assert the location, key, value and code of a fault and the name that it suggests, not its
+/// wording; and the key and code of a warning.
 namespace tomlin::test {
 
 /// `12:10 body.ring.radiu = 1 [scene.unknown_key] did you mean radius`; what a fault has not is
@@ -76,7 +76,7 @@ inline std::string abridged(const std::string& errors) {
   return text;
 }
 
-/// Of the InputError that the action throws; empty where it throws none.
+/// Returns the faults of the InputError that the action throws; empty if it throws none.
 inline std::vector<std::string> briefs_of(const std::function<void()>& action) {
   try {
     action();

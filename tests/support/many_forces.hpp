@@ -33,7 +33,7 @@ class ManyForces {
     // Now.
     std::vector<Point> x;
     std::vector<Point> v;
-    // What acts on each particle, and the size of the terms that it is made of.
+    // The force on each particle, and the size of the terms that it is made of.
     std::vector<Point> force;
     std::vector<Point> size;
 
@@ -71,7 +71,7 @@ class ManyForces {
            "integrator = { type = \"rk4\", dt = 1e-3 }\n";
   }
 
-  /// What all forces do to the particles where they are.
+  /// Computes all forces on the particles at their positions.
   void evaluate(double time) {
     for (Body& body : bodies) {
       body.force.assign(body.x.size(), Point{});

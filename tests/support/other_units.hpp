@@ -12,10 +12,10 @@
 #include "framework/scene/effective.hpp"
 #include "framework/scene/scene.hpp"
 
-/// The same scene in other units, by the dimensions that its records declare.
+/// Conversion of a scene to other units, by the dimensions that its records declare.
 namespace tomlin::test {
 
-/// What one unit of the scene is in the new ones.
+/// One unit of the scene in the new ones.
 struct Units {
   double mass = 1.0;
   double length = 1.0;

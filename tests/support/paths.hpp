@@ -1,6 +1,6 @@
 #pragma once
 
-/// Where tests find what they read and run; defined in a file that CMake makes for each test
+/// Paths of the files that tests read and run; defined in a file that CMake makes for each test
 /// binary, so that the sources of tests compile alike in every folder.
 namespace tomlin::paths {
 

@@ -25,7 +25,7 @@ inline std::size_t below(Random& random, std::size_t n) {
   return std::uniform_int_distribution<std::size_t>(0, n - 1)(random);
 }
 
-/// What the force is put on.
+/// The bodies that the force acts on.
 struct Arrangement {
   int dimension = 1;
   std::size_t count = 1;
@@ -54,7 +54,7 @@ inline std::vector<Arrangement> arrangements_of(const ForceRecord& record, std::
         all.push_back({.dimension = dimension, .count = count, .closed = closed, .rigid = true});
       }
       if (record.most_bodies > 1) {
-        // Of another length, and once the longer of the two.
+        // The second body has another length, and is once the longer of the two.
         const std::size_t second = closed ? count + 2 : (count + 1) / 2;
         for (const bool prescribed : {false, true}) {
           all.push_back({.dimension = dimension,

@@ -92,7 +92,7 @@ inline std::string refusal(std::string_view text, const Registry& registry = sta
   return "";
 }
 
-/// The same without wording: a brief() for each fault, in lines.
+/// Returns a refusal without wording: a brief() for each fault, in lines.
 inline std::string brief_refusal(std::string_view text, const Registry& registry = standard()) {
   const auto faults =
       briefs_of([&] { Engine engine(parse_scene(text, "test.toml", registry), {}); });
@@ -162,7 +162,7 @@ inline std::vector<std::int64_t> integers_of(Engine& engine, const std::string& 
   throw std::logic_error("no field " + name);
 }
 
-/// What the equations of motion carry: it may not depend on who looks.
+/// State of the equations of motion: it may not depend on who observes it.
 struct Motion {
   std::vector<double> position, velocity, integrals, clock;
   std::vector<std::int64_t> cells, turns;

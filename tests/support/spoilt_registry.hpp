@@ -27,7 +27,7 @@ class SpoiltRegistry {
 
   const Registry& registry() const { return registry_; }
 
-  /// What the suite says of a scene: the properties that do not hold, each as "force: property".
+  /// Returns the properties that do not hold for a scene, each as "force: property".
   std::set<std::string> broken_in(const std::string& text, std::uint64_t seed = 1) const {
     std::set<std::string> failed;
     const auto scene = parse_scene(text, "test.toml", registry_);

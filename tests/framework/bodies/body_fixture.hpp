@@ -56,7 +56,7 @@ inline std::vector<double> mean_of(const BodyGeometry& shape) {
   return mean;
 }
 
-/// Of a body's particles of unit mass about their centre, as a model has it.
+/// A model's moment of inertia of a body's particles, of unit mass, about their centre.
 inline double inertia_of(const std::string& type, const std::string& keys) {
   Engine engine(scene_of(one_body(type, keys)), {});
   return engine.model().bodies().front().inertia;

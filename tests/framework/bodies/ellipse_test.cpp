@@ -160,13 +160,13 @@ TEST(Ellipse, CentreOfMassIsTheCentreUnlessAnOddCountIsSpacedAlongTheArc) {
 
 TEST(Ellipse, HasTheInertiaOfItsParticles) {
   constexpr double kRelative = 1e-13;  // sums of some hundred terms
-  // Of equal angles: half the sum of the squares, whatever the count from 3 on.
+  // At equal angles it is half the sum of the squared axes per particle, for any count from 3 on.
   for (const int count : {3, 4, 11, 200}) {
     const double due = 0.5 * count * (1.3 * 1.3 + 0.4 * 0.4);
     EXPECT_NEAR(inertia_of("ellipse", ellipse(1.3, 0.4, count, "spacing = \"angle\"")), due,
                 kRelative * due);
   }
-  // Of equal arcs: that of a uniform wire, to which the sum converges exponentially.
+  // At equal arcs the sum converges exponentially to the inertia of a uniform wire.
   double wire = 0.0;
   double length = 0.0;
   for (int k = 0; k < 4096; ++k) {

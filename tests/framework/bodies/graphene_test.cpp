@@ -18,7 +18,7 @@ namespace tomlin::test {
 namespace {
 
 constexpr double kBond = 1.42;
-/// Of sheets some tens of bonds wide: a few roundings.
+/// A few roundings in sheets some tens of bonds wide.
 constexpr double kSheetRounding = 1e-13;
 
 std::string sheet(int along_x, int along_y, const std::string& more = "") {

@@ -7,7 +7,7 @@
 
 #include "framework/core/records/neighbours.hpp"
 
-/// What holds of every honeycomb, on a sheet or rolled up: distances computed from positions alone.
+/// Checks of every honeycomb, on a sheet or rolled up: distances computed from positions alone.
 namespace tomlin::test {
 
 using Places = std::vector<std::vector<double>>;

@@ -19,7 +19,7 @@ namespace tomlin::test {
 namespace {
 
 constexpr double kCarbon = 1.42;
-/// Of tubes some tens of bonds long: a few roundings.
+/// A few roundings in tubes some tens of bonds long.
 constexpr double kTubeRounding = 1e-13;
 
 /// Zigzag, armchair and chiral tubes, and the smallest ones whose atoms do not coincide.

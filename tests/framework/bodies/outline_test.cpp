@@ -32,7 +32,7 @@ TEST(ClosedOutline, HasThePerimeterOfThePolygonThroughItsParticles) {
   EXPECT_EQ(open.rolling_radius, 0.0);
   EXPECT_EQ(open.relative, found.relative);
   EXPECT_EQ(open.relative, shape_of("particles", "positions = " + triangle).relative);
-  // Of any size.
+  // Outlines may have any size.
   const auto scaled = [](const std::string& factor) {
     return shape_of("particles", outline_of("[[0, 0], [\"3 * " + factor + "\", 0], [0, \"4 * " +
                                             factor + "\"]]"))
@@ -226,8 +226,8 @@ TEST(Rolling, BodiesWithTheParticlesOfARingMoveAsItDoes) {
   }
 }
 
-// What a body that is not round rises by in rolling is no hop; more than that, and a fifth of its
-// rolling radius, is.
+// The rise of a body that is not round as it rolls is no hop; a rise beyond that and a fifth of its
+// rolling radius is one.
 TEST(Rolling, ARiseOfTheOutlineIsNoHop) {
   constexpr double kRise = 0.3;
   for (const auto& [height, expected] : {std::pair(0.49, 0), std::pair(0.51, 3)}) {

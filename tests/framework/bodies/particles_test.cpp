@@ -82,7 +82,7 @@ TEST(Particles, OfALineMayBeAListOfNumbers) {
   EXPECT_EQ(ends_of(*plain).open_along, -1) << "only a chain is closed by a box";
 }
 
-// Where doubles are 2^-23 apart a shape given on that grid is kept without rounding.
+// A shape on the grid of doubles there, 2^-23 apart, is kept without rounding.
 TEST(Particles, KeepTheirShapeFarAway) {
   const auto scene =
       parsed(scene_with("positions = [1e9, \"1e9 + 2^-23\", \"1e9 + 3 * 2^-22\", 1000000100.5]"));
@@ -282,7 +282,7 @@ TEST_F(ParticlesFile, FaultsComeWithTheScenes) {
   EXPECT_EQ(brief(found[2]), "5:14 body.particles.hold = 3 [scene.wrong_type]");
 }
 
-// What the effective scene would say must be readable again.
+// The effective scene with all the positions must be readable again.
 TEST_F(ParticlesFile, IsRefusedWhereWrittenOutItWouldBeTooMuch) {
   const std::string short_form = "1e15\n";  // 1000000000000000.0 where written out
   std::string text;

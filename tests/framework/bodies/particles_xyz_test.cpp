@@ -223,7 +223,7 @@ TEST_F(ParticlesXyz, FaultsHaveTheirPlaceInBothFiles) {
   write_file("m.dat", "0 0 0\n");
   EXPECT_EQ(faults("file = \"m.dat\"\nparticle_mass = 1\nframe = 0"),
             XyzLines{"5:9 body.particles.frame = 0 [scene.conflict]"});
-  // What stands in a file of somebody else's is nobody's business.
+  // Messages do not show the contents of a file that is not of this format.
   write_file("key.xyz", "1\nProperties=TOPSECRET:S:1\nTOPSECRET\n");
   EXPECT_EQ(why("file = \"key.xyz\"\nparticle_mass = 1").find("TOPSECRET"), std::string::npos);
 }

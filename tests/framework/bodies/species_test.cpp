@@ -86,7 +86,7 @@ TEST(Species, FaultsHaveTheirPlace) {
   EXPECT_EQ(faults("\"" + std::string(60, 'C') + "\""), SpeciesLines());
 }
 
-// As many species as particles take no time to sort out.
+// Sorting as many species as particles takes no time.
 TEST(Species, MayAllDiffer) {
   constexpr int kCount = 20000;
   std::string list;

@@ -53,7 +53,7 @@ TEST_F(Check, AThermalSceneMayAskForRepeatsOrAnError) {
   }
 }
 
-/// What holds is not shown beside what does not, unless asked for; what is insisted on is said.
+/// Passed checks are shown beside failed ones on request only; allowed instability is warned of.
 TEST_F(Check, OnlyWhatDoesNotHoldIsShown) {
   const Ended failed = tomlin({"check", "tip.toml", "--set", "run.integrator.dt=5"});
   EXPECT_EQ(failed.status, 1);

@@ -13,7 +13,7 @@
 #include "tests/framework/output/temporary_folder.hpp"
 #include "tests/support/faults.hpp"
 
-/// What tests of the program share: a folder with a scene in it.
+/// Fixture of tests of the program: a folder with a scene in it.
 namespace tomlin::test {
 
 namespace fs = std::filesystem;

@@ -90,7 +90,7 @@ trajectory = true
                  "--set output.every=1e-9: output.every = 1e-09 [output.too_large]\n");
 }
 
-/// What it says would do does.
+/// The interval that the message admits is accepted.
 TEST_F(Cli, TheIntervalThatFitsIsTaken) {
   const Ended refused = tomlin({"explain", "tip.toml", "--set", "output.every=1e-9"});
   const std::string admissible = "expected: >= ";
@@ -337,7 +337,7 @@ TEST_F(Cli, PagesAreNotReplacedUnasked) {
 
 // ---- run
 
-/// What was asked for and has no value says what it needs; what has one is shown.
+/// A requested result without a value is listed with what it needs; one with a value is shown.
 TEST_F(Cli, ARunShowsWhatWasAskedFor) {
   const auto shown = [this](const std::string& observables) {
     const Ended ended =
@@ -559,7 +559,7 @@ TEST_F(Cli, WhatShowsOnlyWhenTheSceneIsBoundMakesNoFolder) {
                  "--set measure.to=50: measure.to [run.invalid_window]\n");
 }
 
-/// What shows when a scene is bound is reported once and at its own place, whoever binds it.
+/// A fault that shows as a scene is bound is reported once and at its location, whoever binds it.
 TEST_F(Cli, AFaultIsTheSameUnderAnAccuracy) {
   for (const std::vector<std::string>& settings :
        {std::vector<std::string>{"measure.to=50"},

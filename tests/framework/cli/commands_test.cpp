@@ -8,7 +8,7 @@
 #include "framework/cli/command.hpp"
 #include "tests/framework/cli/cli_fixture.hpp"
 
-/// What the program derives from the records of its commands.
+/// Tests of everything that the program derives from the records of its commands.
 namespace tomlin::test {
 namespace {
 
@@ -19,7 +19,7 @@ bool lists(const std::string& help, const CommandRecord& record) {
   return contains(help.substr(begin, help.find('\n', begin + 1) - begin), "  " + record.summary);
 }
 
-/// What a record lacks; empty when it is complete.
+/// Lists the parts that a record lacks; empty when it is complete.
 std::vector<std::string> missing_in(const CommandRecord& record, const std::string& help) {
   std::vector<std::string> missing;
   if (record.summary.empty() || contains(record.summary, "\n")) missing.push_back("summary");

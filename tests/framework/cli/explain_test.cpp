@@ -65,7 +65,7 @@ TEST_F(Explain, NumbersAreThoseOfTheScene) {
                        "s < 1: smooth sliding"));
 }
 
-/// What is said about steps is what run does.
+/// A run treats steps as explain reports.
 TEST_F(Explain, AStepBeyondTheLimitIsShownAndNotRefused) {
   const double stable = explained({"tip.toml"})["integrator"]["stable_step"];
   const auto with_step = [](double dt) {

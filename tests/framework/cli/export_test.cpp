@@ -2,7 +2,7 @@
 
 #include "tests/framework/cli/cli_fixture.hpp"
 
-// What `tomlin export` writes and refuses, without LAMMPS; tests/framework/lammps has its numbers.
+// Tests what `tomlin export` writes and refuses without LAMMPS; numbers: tests/framework/lammps.
 
 namespace tomlin::test {
 namespace {

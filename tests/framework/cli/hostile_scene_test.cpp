@@ -148,8 +148,8 @@ TEST_F(HostileScene, Files) {
   expect_file_refused_at_once("/dev/null", ":1:1:" + unreadable, {"device"});
 }
 
-// What messages say a scene would take it does take, as far as an address space that is a third
-// too small or too large can tell.
+// A scene takes the memory that messages state, as far as an address space that is a third too
+// small or too large can show.
 class Memory : public HostileScene {
  protected:
   void expect_takes(const std::string& scene, double bytes) {

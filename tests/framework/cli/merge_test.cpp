@@ -22,7 +22,7 @@
 namespace tomlin::test {
 namespace {
 
-/// Of the twelve points four finish, four are refused and four fail.
+/// Four of the twelve points finish, four are refused and four fail.
 const std::vector<std::string> kSharded = {
     "--over",       "v=1e-2,2e-2,3e-2,4e-2", "--over",       "run.integrator.dt=1e-2,-1,50",
     "--observable", "driver.mean_force.x",   "--observable", "events.slips"};
@@ -77,7 +77,7 @@ TEST_F(MergeCommand, ShardsInAnyOrderAreTheWholeSweep) {
   EXPECT_FALSE(exists("merged/run.journal"));
   const Ended same = sweep({"-o", "merged"});
   EXPECT_TRUE(contains(same.out, "finished already")) << same.out;
-  // Of more shards than there are points some are empty.
+  // Some shards are empty if there are more of them than points.
   sweep_shards(13);
   EXPECT_EQ(
       merge({"s13", "s1", "s2", "s3", "s4", "s5", "s6", "s7", "s8", "s9", "s10", "s11", "s12"},
@@ -186,7 +186,7 @@ TEST_F(MergeCommand, OtherSweepsAreRefusedTogether) {
   EXPECT_FALSE(exists("x"));
 }
 
-/// The same program gives the same rows: one of two that differ is wrong, and nobody knows which.
+/// One program gives one set of rows: of two that differ one is wrong, and nobody knows which.
 TEST_F(MergeCommand, DifferentRowsOfAPointAreRefused) {
   ASSERT_EQ(sweep({"-o", "whole"}).status, 0);
   const auto plant = [this](const std::string& folder, std::size_t point, auto change) {
@@ -270,7 +270,7 @@ TEST_F(MergeCommand, ShardsThatWereKilledGoOn) {
     kills += ended.status == 0 ? 0 : 1;
   }
   EXPECT_GT(kills, 0);
-  // What they have is merged, too.
+  // The points that the killed shards have are merged, too.
   const Ended part = merge({"s1", "s2"}, "x");
   EXPECT_EQ(part.status, 1) << part.err;
   sweep_shards(2, axes);

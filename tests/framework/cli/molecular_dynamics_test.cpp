@@ -173,7 +173,7 @@ TEST_F(MolecularDynamics, ThreadsChangeNoFile) {
   EXPECT_EQ(file("out/observables.csv"), table);
 }
 
-/// The same scene, and with atoms as near as they may be.
+/// A valid scene is accepted, and so is one with atoms as near as they may be.
 TEST_F(MolecularDynamics, WhatIsNotRefused) {
   const std::string shorter = tube_scene_with("duration = 1.0", "duration = 0.05");
   EXPECT_EQ(run_of(shorter).status, 0);
@@ -260,7 +260,7 @@ TEST_F(MolecularDynamics, ExplainCountsNeighbours) {
   EXPECT_EQ(bonds["mean"], 3.0);
   EXPECT_EQ(bonds["most"], 3);
   EXPECT_EQ(bonds["pairs"], 60);
-  // Of 40 atoms, with the scratch of their forces; numbers of one atom, not of all of them.
+  // Each of 40 atoms takes bytes for itself and the scratch of its forces, not for all others.
   EXPECT_GT(bonds["bytes"], 40 * 3 * 8);
   EXPECT_LT(bonds["bytes"], 40 * 2000);
   const Json contact = scene["forces"][1]["neighbours"];
@@ -274,7 +274,7 @@ TEST_F(MolecularDynamics, ExplainCountsNeighbours) {
   EXPECT_TRUE(contains(tomlin({"explain", "tube.toml"}).out, "3 neighbours of a particle"));
 }
 
-/// Whose lists have not been made yet.
+/// A force that starts later has no lists yet.
 TEST_F(MolecularDynamics, ExplainKnowsNoNeighboursOfAForceThatStartsLater) {
   std::string later = kTubeOnSheet;
   const std::string type = "type = \"tersoff\"\n";

@@ -74,7 +74,7 @@ DURATION = "duration = 10.0"
 INTEGRATOR = 'integrator = { type = "rk4", dt = 1e-3 }'
 CENTRE = 'centre = [0.0, "R"]'
 
-# What is wrong, what of SCENE becomes what, and the table or value that the fault is told of.
+# Each row has a fault, a text of SCENE and its replacement, and the table or value at fault.
 BROKEN = [
     ("unknown table", "[measure]", "[mesure]", []),
     ("unknown key of a table", "from = 1.0", "form = 1.0", ["measure"]),
@@ -156,7 +156,7 @@ BROKEN = [
     ("an empty expression", 'radius = "R"', 'radius = ""', ["body", 0, "radius"]),
 ]
 
-# What only the program knows: what an expression says, and what holds between several values.
+# Only the program knows the values of expressions, and conditions on several values.
 BEYOND = [
     ("unknown parameter", 'count = "N"', 'count = "M"'),
     ("no expression", 'radius = "R"', 'radius = "R +"'),

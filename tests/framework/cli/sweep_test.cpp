@@ -149,7 +149,7 @@ TEST_F(SweepCommand, RepeatsOfWhatIsNotRandomAreRefused) {
     EXPECT_EQ(ended.status, 2) << wrong;
     expect_error(ended, "--repeats: [command.invalid_value]");
   }
-  // The same noise at every point of a line.
+  // Such a sweep would have the same noise at every point of a line.
   const Ended same = tomlin({"sweep", "warm.toml", "--over", "v=0.1,0.2", "--observable",
                              "driver.mean_force.x", "--continue-from-neighbour"});
   EXPECT_EQ(same.status, 2);
@@ -170,7 +170,7 @@ TEST_F(SweepCommand, TheSceneMayHaveTheTable) {
   // Nothing of it is in a run.
   EXPECT_EQ(tomlin({"run", "tip.toml", "-o", "run"}).status, 0);
   EXPECT_FALSE(contains(file("run/scene.toml"), "sweep"));
-  // What is written is the same sweep.
+  // The written scene has the same sweep.
   EXPECT_EQ(tomlin({"sweep", "tip.sweep.out/scene.toml", "-o", "again"}).status, 0);
   EXPECT_EQ(results("again"), results("tip.sweep.out"));
 }
@@ -202,7 +202,7 @@ TEST_F(SweepCommand, AllFaultsTogetherAndNothingIsMade) {
                  "--observable: driver.maen_force.x [observable.unknown] did you mean "
                  "driver.mean_force.x\n",
                  {"v = 1:2:1"});
-  // Those of the table, of options that replace a part of it, and of the scene; none is invented.
+  // Faults are found in the table, in options that replace a part of it and in the scene only.
   write(folder_ / "tip.toml",
         std::string(kTip) +
             "\n[sweep]\nover = { v = \"1:2\", two_v = [1.0, 2.0], \"run.until\" = "
@@ -250,7 +250,7 @@ TEST_F(SweepCommand, AFolderOfAnotherSweepNeedsForce) {
   ASSERT_EQ(tomlin({"run", "tip.toml", "-o", "run", "--quiet"}).status, 0);
   EXPECT_EQ(sweep({"--over", "v=1e-2,2e-2", "-o", "run"}).status, 2);
   EXPECT_EQ(tomlin({"run", "tip.toml", "-o", "a"}).status, 2);
-  // Of a run nothing stays that would be taken for the sweep's.
+  // No file of a run stays that would be taken for one of the sweep.
   ASSERT_EQ(
       tomlin({"run", "tip.toml", "-o", "b", "--quiet", "--set", "output.trajectory=true"}).status,
       0);
@@ -274,7 +274,7 @@ TEST_F(SweepCommand, AFolderOfAnotherSweepNeedsForce) {
   EXPECT_EQ(sweep({"--over", "v=1e-2,3e-2", "-o", "a", "--force"}).status, 0);
 }
 
-/// What is missing of the results is made again from the rows.
+/// Missing results are made again from the rows.
 TEST_F(SweepCommand, ResultsThatWereRemovedComeBack) {
   ASSERT_EQ(sweep({"--over", "v=1e-2,2e-2", "-o", "a"}).status, 0);
   const std::string first = results("a");
@@ -448,7 +448,7 @@ TEST_F(SweepCommand, ContinuesFromTheNeighbour) {
     ASSERT_EQ(sweep(with({"t", "--force", "--threads", threads})).status, 0);
     EXPECT_EQ(results("t"), whole) << threads;
   }
-  // The same by the table, and another one without.
+  // The table gives the same sweep; without the option it is another one.
   ASSERT_EQ(tomlin({"sweep", "a/scene.toml", "-o", "table"}).status, 0);
   EXPECT_EQ(results("table"), whole);
   std::vector<std::string> alone = axes;

@@ -37,7 +37,7 @@ struct WorstHyperbolic {
 
 constexpr double kHighest = 710.4758;  // cosh of it is just finite
 
-/// Of order one, near the ends of the series, up to overflow, of any small size.
+/// Arguments of order one, near the ends of the series, up to overflow, of any small size.
 double any_argument(TestNumbers& numbers, int i) {
   const double sign = i % 8 < 4 ? 1 : -1;
   switch (i % 4) {
@@ -107,7 +107,7 @@ std::uint64_t hyperbolic_bits() {
 // Recorded once, as kMathBits in math_test.cpp.
 constexpr std::uint64_t kHyperbolicBits = 12007967381882562232u;
 
-// As in dual_test.cpp: a central difference of this step errs by h^2 f'''/6 and by rounding/h.
+// See dual_test.cpp: a central difference of this step errs by h^2 f'''/6 and by rounding/h.
 constexpr double kHyperbolicStep = 1e-5;
 constexpr double kHyperbolicDifference = 3e-7;
 
@@ -149,7 +149,7 @@ TARGET_TEST(Hyperbolic, DoublesAreAccurate) {
   EXPECT_GT(tangent.error, 0.8 * kTanhError);
 }
 
-// What the definitions lose by cancellation, and beyond the overflow of the exponential.
+// The definitions lose digits by cancellation, and fail beyond the overflow of the exponential.
 TARGET_TEST(Hyperbolic, AccuracyChecksSeeTheDefinitions) {
   WorstHyperbolic sine, tangent, cosine;
   for (const double x : {1e-3, 0.02, 0.3}) {

@@ -127,8 +127,8 @@ TARGET_TEST(InverseTrigonometry, AsinAndAcosAreAccurate) {
 }
 
 TARGET_TEST(InverseTrigonometry, AccuracyChecksSeeASpoiltSeries) {
-  // The same checks against atan with its last term dropped, and with the low part of pi/4 left
-  // out.
+  // The accuracy checks must fail for atan with its last term dropped, and with the low part of
+  // pi/4 left out.
   using Fit = math_detail::InverseFit;
   Worst dropped, intact, short_pi;
   TestNumbers numbers(65);
@@ -285,7 +285,7 @@ namespace {
 
 using Single = Dual<double, 1>;
 
-// As in dual_test.cpp: a central difference of this step errs by h^2 f'''/6 and by rounding/h.
+// See dual_test.cpp: a central difference of this step errs by h^2 f'''/6 and by rounding/h.
 constexpr double kStep = 1e-5;
 constexpr double kDifferenceError = 3e-7;
 

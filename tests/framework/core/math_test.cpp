@@ -86,8 +86,8 @@ TARGET_TEST(Math, SineAndCosineAreAccurate) {
 }
 
 TARGET_TEST(Math, AccuracyCheckCatchesADegradedPolynomial) {
-  // The same check against the sine with its last term dropped, and with one coefficient off in the
-  // twelfth digit.
+  // The accuracy check must fail for the sine with its last term dropped, and with one coefficient
+  // off in the twelfth digit.
   const auto degraded = [](double x, double last, double first_factor) {
     using Fit = math_detail::Fit;
     const double r = x - round(2 * x) / 2, z = r * r;

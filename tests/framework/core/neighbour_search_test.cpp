@@ -22,7 +22,7 @@ struct BoxOfPlaces {
   std::size_t count;
 };
 
-/// Of all particles, by the nearest image.
+/// Finds neighbours among all particles, by the nearest image.
 std::vector<Neighbour> all_within(double reach, const BoxOfPlaces& c,
                                   const std::vector<double>& places,
                                   const std::array<double, 3>& place) {

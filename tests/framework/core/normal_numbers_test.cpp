@@ -155,7 +155,7 @@ TARGET_TEST(NormalNumbers, HaveTheMomentsOfNormalOnes) {
   EXPECT_NEAR(moments.second / n, 1.0, std::sqrt(2.0) * unit);
   EXPECT_NEAR(moments.third / n, 0.0, std::sqrt(15.0) * unit);
   EXPECT_NEAR(moments.fourth / n, 3.0, std::sqrt(96.0) * unit);
-  // Of 1e6 the largest is near 4.9: beyond 4 and below 6.5 but for one in 1e4 such sets.
+  // The largest of 1e6 is near 4.9: beyond 4 and below 6.5 but for one in 1e4 such sets.
   EXPECT_GT(std::abs(moments.largest), 4.0);
   EXPECT_LT(std::abs(moments.largest), 6.5);
 }

@@ -1,4 +1,4 @@
-// What every number type has to offer, asked of double and Quad and of their packs alike.
+// Every number type has to offer the same operations: double, Quad and their packs alike.
 #include "framework/core/numbers/number_types.hpp"
 
 #include <algorithm>
@@ -41,7 +41,7 @@ unsigned mask_bits(const Mask<P>& mask) {
   for (int i = 0; i < kLanes; ++i) bits |= select(mask, P(1), P(0)).lane(i) != 0 ? 1u << i : 0u;
   return bits;
 }
-// The same value and sign, or both a NaN.
+// Compares values and signs; two NaNs are the same.
 template <class Real>
 bool same(Real a, Real b) {
   if (a != a || b != b) return a != a && b != b;

@@ -30,7 +30,7 @@ TEST(Words, AValueNeedsNone) {
   EXPECT_EQ(words_of<Side>(), (std::vector<std::string>{"left", "right"}));
 }
 
-// What makes a table that lacks a value, or has one at another's place, fail to compile.
+// A table that lacks a value, or has one at the position of another, fails to compile.
 TEST(Words, ATableHasEveryValueInOrder) {
   static_assert(is_enumerator<Side::other>());
   static_assert(!is_enumerator<static_cast<Side>(3)>());

@@ -23,8 +23,8 @@ namespace {
 
 using Place3 = std::array<double, 3>;
 
-/// Of energies, relative, and of each force: two programs that round differently, in sums of some
-/// hundred terms.
+/// Tolerance of energies, relative, and of each force: two programs that round differently, in sums
+/// of some hundred terms.
 constexpr double kSame = 1e-10;
 /// The mass of carbon, 12.0107 u, in eV ps^2/Angstrom^2.
 constexpr double kCarbon = 12.0107 * 1.03642696e-4;
@@ -63,7 +63,7 @@ std::string steps_of(double dt, int steps = 1) {
   return "[run]\nduration = " + digits(dt * steps) + "\nintegrator = " + verlet(dt) + "\n";
 }
 
-/// What a sine far along its way leaves: numbers without a pattern, between -1 and 1.
+/// Returns a sine of a large argument: numbers without a pattern, between -1 and 1.
 double jitter(std::size_t k) { return std::sin(12.9898 * static_cast<double>(k + 1) + 78.233); }
 
 std::vector<Place3> displaced(std::vector<Place3> places, double size) {

@@ -147,8 +147,8 @@ TEST(Box, OfTwoParticlesHoldsTwoBonds) {
   EXPECT_NEAR(numbers(engine, "velocity")[0], 0.02 * std::cos(omega * 2.1), 1e-10);
 }
 
-/// Where on a corrugation of its own period a closed chain starts is all that counts: moved by a
-/// period, or renumbered, it does the same.
+/// On a corrugation of its own period only the position within a period at which a closed chain
+/// starts counts: moved by a period, or renumbered, it does the same.
 TEST(Box, ATranslationByAPeriodChangesNothing) {
   Chain chain{.origin = 0.3,
               .velocity = {0.5, 0.1, -0.2, 0.0, 0.3, 0.4},
@@ -232,7 +232,7 @@ const std::string kWell =
 const std::string kWellAsFormula =
     "type = \"expression\"\nenergy = \"0.5*(1 - exp(-3*(r - 0.4)))^2\"\n";
 
-/// As a plugin's potential is bound.
+/// The potential is bound as a plugin's is.
 const ForceFactories kByNearestImages = pair_potential<MorseBonds, kernels::MorseBonds>().bind;
 
 /// Atoms that pass through each other have forces that jump, so that the energy balance is warned

@@ -45,7 +45,7 @@ constexpr const char* kFormulaOfSpring =
 
 const std::string kRk4 = "integrator = { type = \"rk4\", dt = 0.01 }\n";
 
-// What two formulas of the same spring may differ in after some thousand steps of a stable motion.
+// Two formulas of the same spring may differ by this after some thousand steps of a stable motion.
 constexpr double kSame = 1e-9;
 
 void expect_same_driver(const std::string& run) {

@@ -339,7 +339,7 @@ TEST(PlantedFaults, AKernelThatLeavesANumberIsFoundBySums) {
   }
 }
 
-/// The same by the second evaluation: twice in a row, or by the numbers.
+/// The other evaluation finds it as well: the kernels are evaluated twice in a row.
 TEST(PlantedFaults, AKernelThatLeavesANumberIsFoundByTheEquations) {
   const SpoiltRegistry spoilt(kConstant, &leaves_a_number<kConstant>);
   int found = 0;

@@ -222,7 +222,7 @@ TEST(OverdampedRigid, IsTheLimitOfSmallMasses) {
       }
       EXPECT_NEAR(fitted_order(sizes, differences), 1.0, 0.05);
       EXPECT_LT(differences.back(), 3e-3);
-      // Which mass it is does not matter in the limit but for where the centre is.
+      // In the limit masses matter for nothing but the position of the centre.
       ring.dynamics = "overdamped";
       ring.mass = 5.0;
       EXPECT_LT(distance_between(place_of(run_text(ring.text(adaptive(1e-11)))), limit), 1e-8);

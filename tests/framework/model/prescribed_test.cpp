@@ -51,7 +51,7 @@ TEST(Prescribed, IsWhereItsMotionPutsItAfterAMillionSteps) {
   }
 }
 
-/// What drags it through a fluid: C V, and C V^2 t of work, all of it heat.
+/// The wheel works against the drag C V of a fluid: the work is C V^2 t, all of it heat.
 TEST(Prescribed, IsADriverOfItsOwn) {
   // With nothing free an adaptive scheme has no error to go by.
   for (const std::string& integrator : {fixed_step(0.01), adaptive_held_to(0.01), verlet(0.01)}) {

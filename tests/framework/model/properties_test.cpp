@@ -22,7 +22,7 @@
 namespace tomlin::test {
 namespace {
 
-// What finite differences leave of a force that is right: rounding, and an error of order h^8.
+// Finite differences of a right force are off by this: rounding, and an error of order h^8.
 constexpr double kRight = 1e-8;
 // A driver alone declares no period that places could be counted in: 1e5 away they lose 5 digits.
 constexpr double kRightFarAway = 1e-6;
@@ -135,7 +135,7 @@ TEST(Properties, HoldForADriverOfManyParticles) {
   }
 }
 
-/// Where the origin moves along an axis, what is held along it would stay behind.
+/// If the origin moved along an axis, coordinates held along it would stay behind.
 TEST(Properties, HoldBesideABodyThatIsHeld) {
   for (const char* held : {"x", "y"}) {
     expect_sound(std::string(R"(

@@ -442,8 +442,8 @@ TEST(Rotor, TubeRolls) {
   EXPECT_NEAR(std::abs(result.body(0)["rotation"][0]), 80.0, kTolerance);
 }
 
-/// What a force that depends on velocities does to the particles is that in the plane: a cross that
-/// spins and drifts under dry friction, whose law is not linear.
+/// A force that depends on velocities acts on the particles as in the plane: a cross that spins and
+/// drifts under dry friction, whose law is not linear.
 TEST(Rotor, ForcesOnItsParticlesKnowTheirVelocities) {
   constexpr double kTolerance = 1e-8;
   const auto scene = [](bool in_space) {

@@ -223,7 +223,7 @@ TEST(Scales, ADriverAndABondAreSpringsInSeries) {
   }
 }
 
-/// What the number says: below one it slides, above it slips.
+/// The stick-slip number separates sliding, below one, from slips, above one.
 TEST(Scales, TheSeriesStiffnessIsWhatStickSlipBeginsAt) {
   const auto slips = [](double s) {
     const double series = kSpring * kBond / (kSpring + kBond);

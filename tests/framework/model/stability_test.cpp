@@ -160,7 +160,7 @@ TEST(StableStep, AdaptiveSchemesAreNotHeldToIt) {
 
 // ---- failures
 
-/// Where a step is asked for, a lower bound may be returned that is beyond it, and no other.
+/// A lower bound may be returned for a given step if the bound is beyond that step, and no other.
 TEST(StableStep, ABoundBeyondAStepIsNoMoreThanTheLimit) {
   int bounds = 0;
   for (const char* scheme : {"rk4", "midpoint", "velocity_verlet"}) {

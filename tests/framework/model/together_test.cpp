@@ -51,7 +51,7 @@ std::string harmonic(double rest) {
          "\nrest_lengths = " + digits(rest) + "\n";
 }
 
-/// Of the same stiffness at rest: 2 D a^2.
+/// Morse bonds of the same stiffness at rest: 2 D a^2.
 std::string morse(double rest) {
   return "type = \"morse_bonds\"\npairs = \"all\"\ndepth = " + digits(kStiffness / 2.0) +
          "\ninverse_width = 1.0\nrest_lengths = " + digits(rest) + "\n";

@@ -27,7 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// As long as numbers get: every byte of a table is known.
+/// No number has a longer text, so that every byte of a table is known.
 constexpr double kLongest = -1.2345678901234567e-308;
 
 Scene scene_with(std::optional<TrajectoryFormat> format) {
@@ -164,7 +164,7 @@ TEST(OutputSize, CheckpointsAloneNeedRoomToo) {
   const OutputSize size = output_size(scene, layout);
   EXPECT_FALSE(refusal(scene, size, 3e6));
   EXPECT_EQ(brief(refusal(scene, size, 1.5e6).value()), "3:1 run [output.too_large]");
-  // Those of perturbed starts stay until the run has ended.
+  // Checkpoints of perturbed starts stay until the run has ended.
   scene.run.perturb.emplace();
   scene.run.perturb->repeats = 9;
   EXPECT_NEAR(output_size(scene, layout).together(), 10.0 * size.together(), 1.0);
@@ -174,7 +174,7 @@ TEST(OutputSize, CheckpointsAloneNeedRoomToo) {
 /// A run that goes on, or that replaces another, has what stands there already.
 TEST(OutputSize, WhatTheRunHasWrittenIsRoomForIt) {
   constexpr std::size_t kWritten = 50'000'000;
-  // What other programs write meanwhile.
+  // Other programs may write this much meanwhile.
   constexpr double kOthers = 20e6;
   const TemporaryFolder folder;
   EXPECT_NEAR(room_in(folder / "not" / "there"), room_in(folder.path()), kOthers);

@@ -213,7 +213,7 @@ TEST(RunFolder, AnEmptyJournalIsInNobodysWay) {
     EXPECT_TRUE(fs::exists(temporary.path() / "run" / kJournalFile));
   }
   EXPECT_TRUE(fs::is_empty(temporary.path()));  // nothing came of it
-  // What a program leaves that is killed before it had anything to keep.
+  // A program that is killed before it had anything to keep leaves an empty journal.
   fs::create_directory(temporary / "run");
   write(temporary.path() / "run" / kJournalFile, "");
   EXPECT_EQ(refusal(temporary / "run"), "");

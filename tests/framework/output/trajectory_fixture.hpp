@@ -19,7 +19,7 @@ inline RunLayout two_bodies() {
   return layout;
 }
 
-/// The same with atoms in the ring.
+/// The layout of two_bodies() with atoms in the ring.
 inline RunLayout with_species() {
   RunLayout layout = two_bodies();
   layout.species = {"C", "H"};

@@ -25,7 +25,7 @@ ElfNote read(const std::string& file) {
 
 std::string morse() { return content(plugin("morse")); }
 
-/// Where the notes end: what comes behind has no part in reading them.
+/// Returns the end of the notes: bytes behind it have no part in reading them.
 std::size_t end_of_notes(const std::string& file) {
   Elf64_Ehdr head;
   std::memcpy(&head, file.data(), sizeof head);

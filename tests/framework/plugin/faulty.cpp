@@ -69,7 +69,7 @@ std::string fault() {
   return wish == nullptr ? "" : wish;
 }
 
-/// What linking with -ffast-math puts into a library, or worse.
+/// Changes the arithmetic as linking with -ffast-math does, or worse.
 __attribute__((constructor)) void change_arithmetic() {
 #if defined(__SSE2__)
   if (fault() == "flush") {

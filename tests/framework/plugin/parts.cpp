@@ -8,7 +8,7 @@
 #include "framework/core/system/scheme.hpp"
 #include "framework/plugin/plugin.hpp"
 
-// What is no force: a body, an integrator and an observer of one's own.
+// User-defined components that are no forces: a body, an integrator and an observer.
 namespace tomlin {
 namespace {
 

@@ -177,7 +177,7 @@ TEST_F(PluginCli, PathsAreFromTheSceneOrTheCurrentFolder) {
   write(folder_ / "deep/plain.toml", kBonded);
   EXPECT_EQ(tomlin({"check", "deep/plain.toml", "--plugin", "deep/libs/libmorse.so"}).status, 0);
   write(folder_ / "deep/libbeside.so", content(plugin("morse")));
-  // What lies beside the scene is not what was named.
+  // The file beside the scene is not the one that was named.
   EXPECT_EQ(tomlin({"check", "deep/plain.toml", "--plugin", "libbeside.so"}).status, 2);
   EXPECT_EQ(tomlin({"check", "deep/plain.toml", "--plugin", "deep/libbeside.so"}).status, 0);
   // The loader's own search path is none of them.
@@ -256,7 +256,7 @@ TEST_F(PluginCli, ObserversGatherAlongTheRun) {
                 "--set", "run.duration=20", "--set", "measure.to=15.003"});
     ASSERT_EQ(ended.status, 0) << ended.err;
     const Json swings = summary("out")["observers"]["swings"];
-    // Of order 4 in steps of 0.01, of a function of size 1 that is tens of radians long.
+    // The error is of order 4 in steps of 0.01, for a function of size 1 over tens of radians.
     constexpr double kTolerance = 1e-8;
     const auto whole = [](double t) { return 0.5 * t - 0.25 * std::sin(2.0 * t); };
     EXPECT_NEAR(swings["mean_square"].get<double>(), (whole(15.003) - whole(1.0)) / 14.003,
@@ -582,7 +582,7 @@ TEST_F(PluginResume, GoesOnInAnotherFolder) {
   expect_refused(again, "--resume: back/out/scene.toml [resume.other_scene]\n");
 }
 
-/// What is over was made with another library: neither is it finished, nor would it fail again.
+/// A run that is over, finished or failed, is not continued: it was made with another library.
 TEST_F(PluginResume, OfARunThatIsOverAnotherLibraryIsRefused) {
   ASSERT_EQ(tomlin({"run", "parts.toml", "-o", "finished"}).status, 0);
   ASSERT_EQ(tomlin({"run", "parts.toml", "-o", "failed"}, with({"FAULT=first_rates"})).status, 1);

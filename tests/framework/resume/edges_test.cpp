@@ -9,8 +9,8 @@
 
 #include "tests/framework/resume/resume_fixture.hpp"
 
-/// What is kept before a run begins, after it has ended and beside it: whose folder it is, what the
-/// scene reads, the choice of an integrator, estimates of errors, perturbed starts.
+/// Tests of runs before they begin, after they have ended and beside them: whose folder it is, what
+/// the scene reads, the choice of an integrator, estimates of errors, perturbed starts.
 namespace tomlin::test {
 namespace {
 
@@ -129,7 +129,7 @@ TEST_F(Edges, AFolderThatWasMovedAwayLeavesItsNameToOthers) {
   EXPECT_EQ(ended.status, 1);
   EXPECT_TRUE(contains(ended.err, " [file.cannot_write]\n")) << ended.err;
   EXPECT_EQ(files_of(folder_ / "out"), others);
-  // What was moved goes on where it is.
+  // The folder that was moved keeps its checkpoint.
   EXPECT_TRUE(exists("away/run.checkpoint"));
 }
 
@@ -260,7 +260,7 @@ TEST_F(Edges, WhateverAsksForAnEndStopsTheRun) {
   }
 }
 
-/// As under nohup, and in the background of a script.
+/// A signal is ignored under nohup, and in the background of a script.
 TEST_F(Edges, ASignalThatIsIgnoredStaysIgnored) {
   for (const int signal : {SIGINT, SIGHUP}) {
     const Ended ended = run(

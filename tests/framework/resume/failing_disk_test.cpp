@@ -32,7 +32,7 @@ class FailingDisk : public Cli {
     return tomlin(arguments, {.environment = environment});
   }
 
-  /// The same with nothing going wrong.
+  /// Runs the program with no call that fails.
   Ended undisturbed(const std::vector<std::string>& arguments) {
     return disturbed(arguments, "error", 0);
   }
@@ -82,8 +82,8 @@ class FailingDisk : public Cli {
 
 /// A run that is shorter than this many calls would test little.
 constexpr long kEnough = 50;
-/// Of the tests that repeat what another does from another start only every few calls are taken,
-/// unless TOMLIN_EVERY_CALL is set.
+/// Tests that repeat what another does from another start take only every third call, unless
+/// TOMLIN_EVERY_CALL is set.
 long stride() { return std::getenv("TOMLIN_EVERY_CALL") != nullptr ? 1 : 3; }
 
 TEST_F(FailingDisk, KilledBeforeEveryCall) {
@@ -125,7 +125,7 @@ TEST_F(FailingDisk, FailingAtEveryCall) {
         expect_resumed();
         continue;
       }
-      // Where not even the folder can be made it is the choice of it that is at fault.
+      // If not even the folder can be made, the choice of the folder is at fault.
       EXPECT_TRUE(ended.status == 1 || (ended.status == 2 && !exists("bad"))) << ended.status;
       EXPECT_NE(ended.err, "");
       if (exists("bad/summary.json")) {

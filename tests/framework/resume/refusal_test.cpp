@@ -10,7 +10,7 @@
 
 #include "tests/framework/resume/resume_fixture.hpp"
 
-/// What --resume goes on with, what it refuses and why, and what else may befall a folder.
+/// --resume continues some runs and refuses others, with a reason; more may befall a folder.
 namespace tomlin::test {
 namespace {
 
@@ -116,7 +116,7 @@ TEST_F(Resume, AnotherSceneIsRefusedWithItsFirstDifference) {
                      {"--set", "force.sinusoidal_substrate.amplitude=0.2"});
 }
 
-/// What a scene reads from a file is part of it.
+/// A file that a scene reads is part of it.
 TEST_F(Resume, ChangedPositionsAreAnotherScene) {
   std::string scene = text_of_long_run();
   const std::string point = "type = \"point\"\nposition = [0.0]";
@@ -165,7 +165,7 @@ TEST_F(Resume, DamagedFilesAreRefused) {
   }
 }
 
-/// What was not yet in the checkpoint is computed again.
+/// Results that were not yet in the checkpoint are computed again.
 TEST_F(Resume, WhateverFollowsTheCheckpointIsDropped) {
   const std::vector<std::string> run = {"run", "scene.toml", "-o", "out", "--resume"};
   ASSERT_EQ(tomlin({"run", "scene.toml", "-o", "whole"}).status, 0);
@@ -317,7 +317,7 @@ TEST_F(Resume, ARunThatDoesNotFitIsRefusedBeforeItBegins) {
                               ::kill(child, SIGINT);
                             }});
   EXPECT_EQ(stopped.status, 128 + SIGINT) << stopped.err;
-  // What the run has written is no longer free, and is its own.
+  // The space of the files that the run has written is no longer free, but belongs to it.
   const Ended ended = run(every, {"--resume"});
   EXPECT_EQ(ended.status, 0) << ended.err;
   EXPECT_TRUE(exists("disk/out/observables.csv"));

@@ -7,7 +7,7 @@
 #include "tests/framework/cli/cli_fixture.hpp"
 #include "tests/support/paths.hpp"
 
-/// What tests of runs that go on share: the files of a folder, and how two folders compare.
+/// Fixture of tests of resumed runs: the files of a folder, and how two folders compare.
 namespace tomlin::test {
 
 /// A tip whose driver turns round, with samples, positions, events and a ledger: a run of fifty
@@ -45,8 +45,8 @@ every = 0.1
 trajectory = true
 )";
 
-/// What is put before the program so that waiting for the disk costs nothing: a run that is killed,
-/// unlike a power cut, does not depend on it.
+/// Returns an environment in which waiting for the disk costs nothing: a run that is killed, unlike
+/// a power cut, does not depend on it.
 inline std::vector<std::string> impatient() {
   return {std::string("LD_PRELOAD=") + paths::failing_calls,
           // The library comes before that of the sanitizer.

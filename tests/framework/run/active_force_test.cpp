@@ -97,7 +97,7 @@ TEST(ActiveForce, InQuadruplePrecision) {
 }
 
 TEST(ActiveForce, ASupportWhosePlaceIsGivenRestsThereAtFirst) {
-  // Of a particle at rest: pulled from its start to where the support is when the spring acts.
+  // The support rests at 0.6 until the spring acts, then pulls the particle from where it is.
   const std::string text = pulled(fixed_step(0.005), "start = [0.6]\n" + active(kFrom, kUntil));
   const double w = std::sqrt(kStiffness);
   const double t = kUntil - kFrom;

@@ -168,7 +168,7 @@ TEST(Allocations, ThereAreNoneWithThreadsAndNeighbourLists) {
   }
 }
 
-/// What it takes to bind and run a scene.
+/// The cost of binding and running a scene.
 struct Cost {
   std::uint64_t allocations = 0;
   std::uint64_t bytes = 0;

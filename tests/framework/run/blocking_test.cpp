@@ -17,7 +17,7 @@ namespace tomlin::test {
 namespace {
 
 constexpr int kSeries = 400;
-/// Of 400 series whose intervals hold the truth with probability 0.68 this share has a standard
+/// The share of 400 series whose intervals hold the truth with probability 0.68 has a standard
 /// deviation of 2.3 in 100.
 constexpr double kFewestHeld = 0.63;
 constexpr double kMostHeld = 0.73;
@@ -91,8 +91,8 @@ TEST(Blocking, IntervalsHoldTheTruthOfWhiteNoise) {
 }
 
 TEST(Blocking, IntervalsHoldTheTruthOfACorrelatedSeries) {
-  // What is left of the correlation of neighbouring blocks, and the scatter of the mean square over
-  // series (below 2 in 100).
+  // Allows for the remaining correlation of neighbouring blocks, and for the scatter of the mean
+  // square over series (below 2 in 100).
   constexpr double kErrorOfErrors = 0.06;
   const CorrelatedSeries series{20.0};
   for (const std::size_t count : {8000U, 16000U}) {
@@ -113,7 +113,7 @@ TEST(Blocking, AHundredCorrelationTimesAreEnough) {
   EXPECT_NEAR(found.error() / CorrelatedSeries{20.0}.exact_error(4000), 1.0, 0.1);
 }
 
-/// As if the numbers were independent: six times too small an error.
+/// Errors computed as for independent numbers are six times too small.
 TEST(Blocking, ErrorsWithoutBlocksWouldBeSeen) {
   const CorrelatedSeries series{20.0};
   Coverage found;
@@ -211,9 +211,9 @@ TEST(Blocking, WithoutNoiseThereIsNoStatisticalError) {
   EXPECT_EQ(count_of(FaultCode::run_error_not_estimated, result.warnings), 0U);
 }
 
-/// What swings back: y_k = z_k - z_k-1 has the mean (z_n - z_0)/n, of error sqrt(2)/n. The blocks
-/// that are long enough by their correlation alone, of eight, have sqrt(n/8) = 11 times that; those
-/// of which there are 16 have four times.
+/// A series that swings back, y_k = z_k - z_k-1, has the mean (z_n - z_0)/n, of error sqrt(2)/n.
+/// Blocks that are long enough by their correlation alone, of eight, have sqrt(n/8) = 11 times
+/// that; blocks of which there are 16 have four times.
 TEST(Blocking, WhatSwingsBackHasASmallerError) {
   constexpr std::size_t kCount = 1024;
   constexpr std::uint64_t kStreams = 20;

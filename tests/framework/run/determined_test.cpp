@@ -43,7 +43,7 @@ const DeterminedResult& of(const RunResult& result, const std::string& path) {
 constexpr const char* kForce = "drivers.driver.mean_force.x";
 
 TEST(Determined, ASymmetryThatNothingBreaksIsNot) {
-  // As slowly as there, so that the instability has time to grow from 1e-12.
+  // The ring is as slow as in Table I, so that the instability has time to grow from 1e-12.
   RingScene slow = ring(0.0, perturb());
   slow.velocity = 1e-3;
   slow.duration = 1e4;

@@ -210,7 +210,7 @@ TEST(Load, IsWhatTheSubstrateCarries) {
   const RunResult result = run(scene_of(text));
   const double normal = *observable(result, "forces.surface.on.tip.mean_force.y");
   EXPECT_NEAR(normal, load, 1e-8);
-  // Of what resists the pull the medium takes its part.
+  // The medium takes its part of the force that resists the pull.
   const double along = *observable(result, "driver.mean_force_along");
   const double of_surface = -*observable(result, "forces.surface.on.tip.mean_force.x");
   EXPECT_NEAR(along - of_surface, 1.0 * 0.25, 1e-8);

@@ -20,7 +20,7 @@ namespace {
 
 /// Standard errors that a sample may be off: with these seeds and so many scenes 3 come up.
 constexpr double kErrors = 4.0;
-/// Of the work: where every step is looked at, only rounding is left, which is far below this.
+/// Relative to the work: if every step is sampled, only rounding is left, far below this.
 constexpr double kRounding = 1e-7;
 
 bool warned(const RunResult& result) {
@@ -84,8 +84,8 @@ std::string with_ledger(std::string text) {
   return text.replace(text.find("[run]\n"), 6, "[run]\nledger = true\n");
 }
 
-/// What a sample says is what the ledger says, within its own uncertainty; and nothing that it
-/// looks at is changed by that.
+/// A sample agrees with the ledger within its own uncertainty, and sampling changes nothing that it
+/// looks at.
 TEST(EnergyBalance, OfASampleIsThatOfTheLedger) {
   for (const Case& one : cases()) {
     SCOPED_TRACE(one.name);
@@ -139,7 +139,7 @@ struct PullsOn : SinusoidalSubstrate {
   }
 };
 
-/// The same by one part in a hundred: less than the twentieth that a coarse fixed step may cost.
+/// Pulls on by one part in a hundred: less than the twentieth that a coarse fixed step may cost.
 struct PullsOnALittle : SinusoidalSubstrate {
   template <class T, int D>
   static Vec<T, D> force(const Parameters<T, D>& p, const Site<T, D>& site) {

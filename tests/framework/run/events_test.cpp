@@ -40,7 +40,7 @@ TEST(LastPoints, ArePassedThroughByTheirPolynomial) {
   }
   EXPECT_NEAR(all.points.when_value_is(quartic(0.8), 0.7, 1.0), 0.8, kRounding);
   EXPECT_NEAR(all.points.when_slope_is(slope(0.85), 0.7, 1.0), 0.85, kRounding);
-  // Where it does not pass the level, the nearer end.
+  // A polynomial that does not pass the level has the nearer end.
   EXPECT_EQ(all.points.when_value_is(1e3, 0.7, 1.0), 0.7);
 }
 
@@ -199,7 +199,7 @@ TEST(Slips, HaveThePeakTheLengthAndTheMomentThatSamplesShow) {
       EXPECT_NEAR(slip.size, way, kOfSamples);
       // It is ten times as fast as the driver for the last time when it ends.
       EXPECT_NEAR(std::abs(run.at("tip.velocity.x", slip.time + slip.duration, kEvery)), 0.1, 2e-3);
-      // Where the force is highest, the tip is as fast as the driver.
+      // The tip is as fast as the driver at the highest force.
       EXPECT_NEAR(run.at("tip.velocity.x", slip.time, kEvery), 0.01, 1e-4);
     }
   }
@@ -392,8 +392,8 @@ TEST(Slips, DoNotEndOnABarrier) {
   }
 }
 
-/// Where wells are not known, what is slow is a slip if it leads about half a period further: not
-/// the passage of one particle of several, and not what follows from the start.
+/// If wells are not known, slow motion is a slip if it leads about half a period further: not the
+/// passage of one particle of several, and not motion that follows from the start.
 TEST(Slips, ThatAreSlowLeadHalfAPeriodFurther) {
   constexpr double kSpeed = 0.01;
   // At rest, then 5.5 times as fast as the driver for this far.
@@ -480,7 +480,7 @@ TEST(Slips, LoseTheEnergyThatTheDamperTakes) {
 
 /// Whatever takes the steps of the scheme, and whatever the scheme.
 TEST(Slips, LoseTheSameEnergyInEveryScheme) {
-  // Of rk4 at this step; and of heat on the polynomial through the ends of adaptive steps.
+  // Errors of rk4 at this step, and of heat on the polynomial through adaptive steps' ends.
   constexpr double kOfTheSteps = 1e-5;
   for (const double velocity : {0.01, 0.1}) {  // told by speed, and from well to well
     const auto energies = [&](const std::string& integrator, const std::vector<Setting>& settings) {
@@ -732,7 +732,7 @@ TEST(Reversals, AreThoseOfTheVelocity) {
   std::size_t expected = 0;
   bool back = false;
   for (const double speed : v) {
-    // What is slower than this part of the driver's speed is told or not, as steps fall.
+    // Motion slower than this part of the driver's speed is found or not, depending on the steps.
     if (std::abs(speed) < 2e-3 * 0.01) continue;
     if (speed < 0.0 && !back) ++expected;
     back = speed < 0.0;
@@ -947,7 +947,7 @@ TEST(Until, GoesOnFromAnyStep) {
   }
 }
 
-/// What follows a slip until it is known to be one is no static force: the same in every scheme.
+/// The force after a slip, until it is known to be one, is no static force in any scheme.
 TEST(Slips, StaticForceIsThatBeforeTheFirst) {
   const auto found = [](const std::string& integrator) {
     return run_text(TipScene{.velocity = 0.27,

@@ -13,8 +13,8 @@
 namespace tomlin::test {
 namespace {
 
-/// Of forces about 1, at steps of 0.01 or tolerances of 1e-10: quadrature on dense output of fourth
-/// order.
+/// Tolerance of forces about 1, at steps of 0.01 or tolerances of 1e-10: quadrature on dense output
+/// of fourth order.
 constexpr double kTolerance = 1e-8;
 
 std::string measure(const std::vector<std::string>& paths, double from, double to) {

@@ -28,7 +28,7 @@ struct LaneCase {
   bool by_lanes = true;  ///< more than by single steps
 };
 
-/// What differs between replicas: no two numbers alike, and no simple ratio.
+/// Returns numbers that differ between replicas: no two alike, and in no simple ratio.
 double own(int k, double from, double to) {
   const double part = 0.5 + 0.5 * std::sin(1.0 + 2.3 * k);
   return from + (to - from) * part;
@@ -609,7 +609,7 @@ TEST(LaneBatch, RepeatsHaveTheMeanAndTheErrorOfRunsOneByOne) {
   EXPECT_EQ(error(together), error(apart));
 }
 
-/// What is compared of watched tips is not nothing.
+/// The watched tips that are compared do slip.
 TEST(LaneBatch, WatchedTipsSlip) {
   for (const char* const name : {"watched_tip", "watched_loaded_tip"}) {
     const LaneCase& one = lane_case(name);
@@ -621,7 +621,7 @@ TEST(LaneBatch, WatchedTipsSlip) {
   }
 }
 
-/// What the comparison above has to find: another replica's numbers, or a last digit.
+/// The comparison above has to find another replica's numbers, or a last digit.
 TEST(LaneBatch, ADifferenceIsSeen) {
   const LaneCase& one = lane_case("tip");
   const RunOptions options = asked_for(one);

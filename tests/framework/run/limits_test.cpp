@@ -7,7 +7,7 @@
 #include "framework/core/text/fault.hpp"
 #include "tests/support/scenes.hpp"
 
-// What a run says where a scene asks for more than it can have.
+// Runs of scenes that ask for more than they can have.
 
 namespace tomlin::test {
 namespace {
@@ -70,7 +70,7 @@ TEST(PrescribedMotion, OfAnyVelocityIsFollowedToTheTolerance) {
     ASSERT_EQ(result.status, RunStatus::finished);
     const double way = 0.3 * end + 0.2 * std::sin(end);
     EXPECT_NEAR(result.body(0)["centre_of_mass"][0], way, kWay);
-    // Of 0.5 v^2: the mean of (0.3 + 0.2 cos t)^2.
+    // The drag 0.5 v dissipates 0.5 v^2: the integral of 0.5 (0.3 + 0.2 cos t)^2.
     const double heat =
         0.5 * (0.09 * end + 0.12 * std::sin(end) + 0.04 * (0.5 * end + 0.25 * std::sin(2.0 * end)));
     const double last = 0.3 + 0.2 * std::cos(end);

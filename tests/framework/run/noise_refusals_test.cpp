@@ -5,7 +5,7 @@
 
 #include "tests/support/scenes.hpp"
 
-// What noise does not go together with is refused, at its place in the scene.
+// Settings that conflict with noise are refused, at their location in the scene.
 
 namespace tomlin::test {
 namespace {

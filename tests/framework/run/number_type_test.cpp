@@ -8,7 +8,7 @@
 #include "tests/support/order.hpp"
 #include "tests/support/ring_scenes.hpp"
 
-// The same scene in double and quadruple precision.
+// One scene in double and quadruple precision.
 
 namespace tomlin::test {
 namespace {
@@ -62,7 +62,7 @@ TEST(NumberTypes, OfRings) {
   }
 }
 
-/// Where double stalls at its rounding, quadruple goes on converging with the scheme's order.
+/// Quadruple goes on converging with the scheme's order below the rounding of double.
 TEST(NumberTypes, QuadrupleConvergesBelowTheRoundingOfDouble) {
   const auto end = [](double h) {
     Engine engine(scene_of(tip("quadruple", h).text()), {});

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-/// Of a tip with the stick-slip parameter s, by its stiffness.
+/// A tip with the stick-slip parameter s, by its stiffness.
 TipScene tip(double s, double velocity, double periods, const std::string& integrator,
              double damping = 2.0) {
   TipScene scene{.velocity = velocity,
@@ -194,7 +194,7 @@ TEST(EffectiveStiffness, DoesNotMindSwings) {
     EXPECT_GT(part, one.low) << one.velocity;
     EXPECT_LT(part, 1.003) << one.velocity;
   }
-  // Where it swings until the next slip it does not stick.
+  // A tip that swings until the next slip does not stick.
   const RunResult none = run(scene_of(tip(4.0, 0.01, 5.0, fixed_step(0.05), 0.1).text()));
   ASSERT_GE(*none.driver(0)["slips"], 3.0);
   EXPECT_FALSE(none.driver(0)["effective_stiffness"]);
@@ -340,7 +340,7 @@ TEST(SlipsUnderNoise, LeadFromWellToWellHoweverFastThePointShakes) {
   const RunResult result = run(scene_of(in_a_bath(scene)), options);
   ASSERT_EQ(result.status, RunStatus::finished);
   const ResultGroup& driver = result.driver(0);
-  // Of the last periods the tip has not followed one or two.
+  // The tip has not yet followed one or two of the last periods.
   EXPECT_GE(*driver["slips"], kPeriods - 3.0);
   EXPECT_LE(*driver["slips"], kPeriods);
   double before = 0.0;
@@ -411,7 +411,7 @@ const std::vector<std::string> kMeansOfSlips = {"mean_slip_length", "mean_slip_f
 TEST(SlipStatistics, ErrorsOfMeansInNoise) {
   constexpr int kStreams = 24;
   constexpr double kRounding = 1e-9;
-  // Of 24 streams the scatter has a standard deviation of 1 in 7, and blocks are about 16.
+  // The scatter of 24 streams has a standard deviation of 1 in 7, and blocks are about 16.
   constexpr double kLeastRatio = 0.6;
   constexpr double kMostRatio = 1.7;
   std::map<std::string, std::vector<double>> means;

@@ -112,7 +112,7 @@ TEST(Steadiness, NoiseDelaysLittle) {
   EXPECT_LT(fine.periods, 300.0);
 }
 
-/// What the scene is known to be slow in has to have had its time, whatever is seen before.
+/// The slowest motion known of the scene must have had its time, whatever is seen before.
 TEST(Steadiness, WaitsForTheSlowestTimeThatIsKnown) {
   const auto value = [](double n) {
     return n < 90.0 ? 1.0 : 1.0 + 0.2 * (1.0 - std::exp((90.0 - n) / 20.0));

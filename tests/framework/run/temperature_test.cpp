@@ -241,7 +241,7 @@ TEST(BathHeat, LedgerOfAPulledTip) {
     const ResultGroup& energy = result.group("energy");
     const double heat = energy["heat_out"][0];
     const double work = energy["work_in"][0];
-    // Of the order (h omega)^2, omega^2 = 14 at the bottom of the corrugation.
+    // The error is of the order (h omega)^2, omega^2 = 14 at the bottom of the corrugation.
     constexpr double kOfScheme = 5e-3;
     EXPECT_GT(heat, 0.0);
     EXPECT_LT(std::abs(energy["numerical_work"][0]), kOfScheme * heat) << scheme;

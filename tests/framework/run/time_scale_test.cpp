@@ -8,8 +8,8 @@
 
 #include "tests/support/scenes.hpp"
 
-// What changes with time by itself, against the steps of every scheme: a fixed one that does not
-// see it is warned of, an adaptive one sees it.
+// Forces that depend on time, against the steps of every scheme: a fixed one that does not resolve
+// them is warned of, an adaptive one resolves them.
 
 namespace tomlin::test {
 namespace {
@@ -37,7 +37,7 @@ std::string formula(const std::string& energy) {
 
 using Keys = std::vector<std::string>;
 
-/// Of what steps do not resolve.
+/// Returns the keys whose change with time the steps do not resolve.
 Keys unresolved(const RunResult& result) {
   Keys keys;
   for (const Warning& warning : result.warnings) {
@@ -143,7 +143,7 @@ TEST(TimeScale, ForcesOfAVelocityAreHeldAgainstSteps) {
   EXPECT_EQ(warned(2e-4), Keys{});
 }
 
-/// Where no force declares a length the formula has one, in any units.
+/// A formula has a length if no force declares one, in any units.
 TEST(TimeScale, OfAFormulaInSiUnitsIsSeen) {
   const auto text = [](double length, double time) {
     return "body = [{ name = \"tip\", type = \"point\", position = [0.0], particle_mass = 1.0 }]\n"

@@ -45,7 +45,7 @@ Rows rows_of(const std::string& text) {
 
 const std::string kTrajectory = "[output]\nevery = 0.05\ntrajectory = true\n";
 
-/// Of places near 1, over a few operations each.
+/// Rounding of positions near 1, over a few operations each.
 constexpr double kRounding = 1e-12;
 
 std::vector<RingScene> rings() {

@@ -6,7 +6,7 @@
 
 #include "tests/framework/scene/scene_fixture.hpp"
 
-/// What is reported for a spoilt scene: place, key, value and code of each fault.
+/// Faults that are reported for a spoilt scene: location, key, value and code of each.
 namespace tomlin::test {
 namespace {
 

@@ -12,7 +12,7 @@
 namespace tomlin::test {
 namespace {
 
-/// What is wrong with a valid scene once `old_text` is `new_text`, without file and wording.
+/// Returns the faults of a valid scene once `old_text` is `new_text`, without file and wording.
 std::string spoilt(const std::string& scene, const std::string& old_text,
                    const std::string& new_text) {
   if (const std::string before = faults_of(scene); !before.empty()) return "before: " + before;

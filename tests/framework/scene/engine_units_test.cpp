@@ -92,8 +92,8 @@ TEST(MetalUnits, LeaveOtherTextsAlone) {
 
 // ---- numbers
 
-/// What the engine has is written as a number that is read back as the same bits, and as the one
-/// that was given where that has few digits.
+/// A number of the engine is written as one that is read back as the same bits, and as the one that
+/// was given if that has few digits.
 TEST(EngineUnits, RoundTrip) {
   std::mt19937_64 random(5);
   const auto part = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };

@@ -89,7 +89,7 @@ inline std::string faults_of(std::string_view text, const std::vector<Setting>& 
   return "";
 }
 
-/// The same without wording, see brief().
+/// Returns the faults without wording, see brief().
 inline std::vector<std::string> briefs_of(std::string_view text,
                                           const std::vector<Setting>& settings = {}) {
   return briefs_of([&] { (void)parsed(text, settings); });

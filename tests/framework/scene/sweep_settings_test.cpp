@@ -171,7 +171,7 @@ TEST(SweepDimensions, ZippedAxesAreOne) {
   EXPECT_EQ(dimensions[1].count, 3);
 }
 
-/// What is wrong with an axis has been said.
+/// Faults of an axis have been reported already.
 TEST(SweepDimensions, AxesThatAreWrongAreNoFaultOfAZip) {
   SweepSettings settings = settings_over({{"a", "1,2"}}, {{"a", "b"}});
   settings.unread = {"b"};

@@ -107,8 +107,8 @@ struct Case {
 
 /// Below the smallest estimate the reference's own error may show.
 constexpr double kErrorOfTruth = 1e-9;
-/// Of what is asked for: where run and companion are both that much better, which of them is the
-/// better one is chance.
+/// Relative to the accuracy asked for: if run and companion are both that much better, it is chance
+/// which of them is the better one.
 constexpr double kFarBelowAsked = 1e-4;
 
 class Accuracy : public testing::TestWithParam<double> {};
@@ -141,7 +141,7 @@ TEST_P(Accuracy, IsKeptAndTheErrorIsNotHeldTooSmall) {
     EXPECT_LE(static_cast<double>(result.accuracy->companion_cost),
               kMostForCompanions * cost + static_cast<double>(result.accuracy->pilot_cost));
     EXPECT_GT(result.accuracy->companion_cost, 0U);
-    // What is cited is what ran.
+    // The integrators that are cited are those that ran.
     const AccuracyResult& taken = *result.accuracy;
     ASSERT_TRUE(taken.scheme && taken.companion_scheme);
     EXPECT_NE(taken.integrator.find('"' + taken.scheme->name + '"'), std::string::npos);
@@ -164,7 +164,7 @@ TEST(AccuracyOf, TheSameSceneIsTheSameEveryTime) {
     EXPECT_EQ(first.companions[k].text, second.companions[k].text);
   }
   EXPECT_EQ(first.pilot_cost, second.pilot_cost);
-  // What stands in scene.toml asks for the accuracy again.
+  // The effective scene asks for the accuracy again.
   EXPECT_EQ(first.scene->effective_toml, scene->effective_toml);
   EXPECT_NE(scene->effective_toml.find("accuracy = 0.0001"), std::string::npos);
   EXPECT_EQ(scene->effective_toml.find("integrator"), std::string::npos);
@@ -236,8 +236,8 @@ TEST(AccuracyOf, QuasistaticDynamicsHaveItToo) {
   EXPECT_LE(estimated(result), 1e-4 * std::abs(truth));
 }
 
-/// Where every trial takes more than it may, nothing is known, which is said; the run goes on with
-/// the integrator that the scene was bound with.
+/// If every trial takes more than it may, nothing is known, which is reported; the run continues
+/// with the integrator that the scene was bound with.
 TEST(AccuracyOf, IsNotPromisedWhereNothingGetsThroughThePilot) {
   constexpr double kNextToNothing = 10.0;
   const auto scene = test::scene_of(kTip);
@@ -269,7 +269,7 @@ TEST(AccuracyOf, IsNotPromisedWithoutAReference) {
   const ChosenIntegrator chosen = choose();
   EXPECT_EQ(test::briefs(chosen.warnings),
             std::vector<std::string>{"run.accuracy [run.accuracy_no_reference]"});
-  // What is kept of the choice has its warnings.
+  // The choice that is kept has its warnings.
   const ChosenIntegrator kept = choose();
   EXPECT_EQ(test::briefs(kept.warnings), test::briefs(chosen.warnings));
   EXPECT_EQ(texts_of(kept.warnings), texts_of(chosen.warnings));
@@ -294,7 +294,7 @@ TEST(AccuracyOf, ThePilotTriesLittleThatCannotWin) {
   EXPECT_LT(choose_integrator(scene, test::standard()).pilot_cost, kMostOfPilot);
 }
 
-/// What is spared: a run that is a hundred times as good as asked for is not paid for. With both
+/// A run that is a hundred times as good as asked for would cost more than it should. With both
 /// factors of ten it is that good.
 TEST(AccuracyOf, IsNotFarBetterThanAskedFor) {
   constexpr std::uint64_t kEnough = 8000;
@@ -411,7 +411,7 @@ TEST(AccuracyOf, ADamagedChoiceIsNone) {
   }
 }
 
-/// As soon as its first checkpoint is kept: the run proper is over.
+/// The companion is stopped when its first checkpoint is kept: the run proper is over.
 TEST(AccuracyOf, StoppedInTheCompanionIsInterrupted) {
   std::atomic<bool> stop = false;
   class StopsAtCompanion : public test::MemoryStore {

@@ -105,7 +105,7 @@ TEST(Compare, ARingThatIsATipIsOne) {
   ASSERT_TRUE(found.models[0].error);
   EXPECT_LT(*found.models[0].error, 1e-6 * *found.models[0].value);
   EXPECT_GT(*found.models[0].error, 0.0);
-  // Of the two that are held against it, one has another ratio of curvature to stiffness.
+  // One of the two models compared with it has another ratio of curvature to stiffness.
   EXPECT_FALSE(found.notes.empty());
 }
 
@@ -176,7 +176,7 @@ TEST(Compare, ErrorsLargerThanTheToleranceLeaveItOpen) {
   EXPECT_EQ(found.simplest, 0U);
 }
 
-/// The same scene twice: no difference, and the errors of both stand in the way of saying so.
+/// A scene compared with itself has no difference, but the errors of both prevent a verdict.
 TEST(Compare, AgreementTakesTheErrorsOfBothIntoAccount) {
   const std::vector<std::shared_ptr<const Scene>> twice = {scene(tip("0.1"), "tip.toml"),
                                                            scene(tip("0.1"), "again.toml")};

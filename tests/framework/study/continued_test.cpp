@@ -187,8 +187,8 @@ TEST(Continued, TwoRunsAreOneOfTwiceTheDuration) {
   }
 }
 
-/// Where every number is a sum of few powers of two, a scene that says where things are does it to
-/// the last bit.
+/// If every number is a sum of few powers of two, a scene that states these positions gives the
+/// same to the last bit.
 TEST(Continued, HasTheBitsOfASceneThatStartsThere) {
   std::string text = replaced(kContinuedTip, "amplitude = 0.1", "amplitude = -0.1");
   text = replaced(text, "position = [0.5]", "position = [0.125]");
@@ -449,7 +449,7 @@ TEST(ContinuedSweep, APointWithoutANeighbourIsRefused) {
     const bool left_out = row.reason.find("has not finished") != std::string::npos;
     EXPECT_EQ(left_out, point % 4 >= 2) << row.reason;
   }
-  // Of other particles: with the reason.
+  // A point with other particles is refused, with the reason.
   const SweepPlan counts = continued_plan(RingScene().text(), {{"body.ring.count", "8,9"}},
                                           {"driver.work"}, {{"run.duration", "1"}});
   ContinuedRows other;
@@ -476,7 +476,7 @@ TEST(ContinuedSweep, WhatIsMissingOfALineIsTheSame) {
   }
 }
 
-/// What is kept of a line is used, and only by its own sweep.
+/// The end that is kept of a line is used, and only by its own sweep.
 TEST(ContinuedSweep, TheEndOfALineIsKept) {
   const TemporaryFolder folder;
   const SweepPlan plan = continued_plan(kContinuedTip, {{"v", "0.1:0.4:4"}}, {"driver.work"},
@@ -500,7 +500,7 @@ TEST(ContinuedSweep, TheEndOfALineIsKept) {
            other.supports[0].place == first.end.supports[0].place;
   };
   EXPECT_TRUE(same(*found.before()));
-  // Of no use to a point before it, to another line and to another sweep.
+  // It is of no use to a point before it, to another line and to another sweep.
   EXPECT_EQ(LineEnd(plan, 0, 0, folder.path()).next(), 0);
   const SweepPlan other = continued_plan(kContinuedTip, {{"v", "0.1:0.5:4"}}, {"driver.work"});
   EXPECT_EQ(LineEnd(other, 0, 3, folder.path()).next(), 0);

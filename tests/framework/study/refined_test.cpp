@@ -195,7 +195,7 @@ TEST(RefinedSweep, BracketsALevel) {
             Found{"found 3.162 .. 10: 3.162 10"});
   EXPECT_EQ(found_of("p", {{{"p", "1,2,4"}}, kPlaceAt3, "", "0.5"}),
             Found{"found 2.5 .. 3: 2.5 3"});
-  // What is narrow already is found without a point.
+  // An interval that is narrow already is found without a point.
   EXPECT_EQ(found_of("p", {{{"p", "0:8:3"}}, kPlaceAt3, "", "4"}), Found{"found 0 .. 4: 0 4"});
 }
 

@@ -9,7 +9,7 @@
 #include "framework/study/methods.hpp"
 #include "tests/support/ring_scenes.hpp"
 
-// What is made of a spread: of the tolerance, of the errors of integration, of digits.
+// A spread is judged by the tolerance, by the errors of integration and by digits.
 
 namespace tomlin::test {
 namespace {

@@ -167,7 +167,7 @@ TEST(SweepPlan, AllFaultsTogether) {
           "performance.wall_seconds [command.invalid_value]"}));
 }
 
-/// What the axes set is no part of the scene without them.
+/// A scene may lack the keys that its axes set.
 TEST(SweepPlan, OnlyTheAxesNeedToMakeItAScene) {
   std::string text = kSweptTip;
   text.replace(text.find("duration = 20.0\n"), 16, "");
@@ -210,7 +210,7 @@ TEST(SweepPlan, FaultsOfTheSceneComeWithThoseOfAxes) {
             (std::vector<std::string>{
                 "lambda = 1 [scene.unknown_key]", "7:1 body.tip.particle_mass [scene.missing_key]",
                 "11:1 body.tip.particle_mas [scene.unknown_key] did you mean particle_mass"}));
-  // Where an axis is not right, nobody knows what the scene would lack with it.
+  // If an axis is wrong, nobody knows which keys the scene would lack with it.
   EXPECT_EQ(faults_of_plan(text, {{{"run.duration", "1,2"}, {"v", "1"}, {"v", "2"}}}, {}),
             (std::vector<std::string>{
                 "v = 2 [scene.duplicate_key]",
@@ -239,7 +239,7 @@ TEST(SweepPlan, TwoAxesThatSetTheSameAreAFault) {
       << fmt::format("{}", fmt::join(faults, "\n"));
 }
 
-/// What only does not fit together is the point's own.
+/// Values that only conflict with each other concern their own point alone.
 TEST(SweepPlan, RefusedAndFailingPointsAreRows) {
   const SweepPlan plan =
       plan_over(kSweptTip, {{{"run.integrator.dt", "1e-2,-1,50,2e-2"}}}, {"driver.mean_force.x"});
@@ -435,8 +435,8 @@ TEST(Sweep, BatchesOfAllKindsGiveTheRowsOfSingleRuns) {
   }
 }
 
-/// What a spring is attached to is a matter of the structure: the first of its values decides
-/// nothing about the others.
+/// The attachment of a spring belongs to the structure: the first of its values decides nothing
+/// about the others.
 TEST(Sweep, SpringsOfOtherPointsShareNoLanes) {
   std::string text = kSweptTip;
   const std::string point = "type = \"point\"\nposition = [0.5]";
@@ -575,7 +575,7 @@ TEST(Sweep, WhatWasDoneOfAPointIsNotDoneAgain) {
     options.resume_from = &kept.state();
     options.observables = plan.paths();
     times.push_back(Engine(plan.scene_at(0), options).time());
-    // Of no use to another point.
+    // It is of no use to another point.
     EXPECT_TRUE(PointCheckpoint(folder / "0.store",
                                 fmt::format("sweep {:x}, point 1", plan.identity()), 60.0)
                     .state()
@@ -825,7 +825,7 @@ TEST_F(SweepFiles, AFullDiskIsAnError) {
     const DiskLimit limit(1000);
     EXPECT_THROW(run_sweep(plan, rows, {.threads = 2}), OutputError);
   }
-  // What was kept before is not lost.
+  // Rows that were kept before are not lost.
   EXPECT_GE(rows_of(plan), kBefore);
   EXPECT_LT(rows_of(plan), 40);
 }

@@ -32,7 +32,7 @@ constexpr Units kSi = {.mass = 1e-12, .length = 2.5e-10, .time = 1.3e-5};
 /// Rounding in other units, grown along runs that stick and slip a few times.
 constexpr double kRounding = 1e-7;
 
-/// Of what a scene is made of, by chance.
+/// Draws the numbers that a scene is made of.
 class Draw {
  public:
   explicit Draw(std::uint64_t seed) : random_(seed) {}

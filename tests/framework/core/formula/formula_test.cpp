@@ -178,7 +178,7 @@ TEST(FormulaGraph, EqualPartsAreOneNode) {
   EXPECT_NE(node("3*(x - 1)"), node("3*x - 3"));
 }
 
-/// Of the corrugation with its decay: one exponential, one sine with its cosine.
+/// The corrugation with its decay needs one exponential and one sine with its cosine.
 TEST(FormulaCode, SharesWhatForceAndEnergyHaveInCommon) {
   const FormulaLaw law({"A*exp(-b*y^2)*cos(2*pi*x/a)", {{"A", 0.1}, {"b", 1.0}, {"a", 1.5}}}, {});
   const FormulaCodes codes = law.compiled(2, {false, false, false});

@@ -21,7 +21,7 @@ namespace tomlin::test {
 namespace {
 
 constexpr unsigned kSeedsOfCrystals[] = {4, 77, 2061};
-/// What two programs that compute the same formula may differ by: in parts of the energy, and in
+/// Two programs that compute the same formula may differ by this: in parts of the energy, and in
 /// eV/Angstrom.
 constexpr double kSameEnergy = 1e-10;
 constexpr double kSameForce = 1e-10;
@@ -33,7 +33,7 @@ struct Found {
   std::vector<double> forces;
 };
 
-/// Of one force of a scene: what it does to the coordinates that are free.
+/// Returns the energy of one force of a scene, and its forces on the free coordinates.
 Found found_in(const Scene& scene, std::size_t force) {
   SingleForce alone(scene, force);
   Found found;
@@ -116,7 +116,7 @@ TEST(KimModel, BodiesAreOneConfiguration) {
                                    same_pairs("between", "[\"a\", \"b\"]") + kShortRun);
       Found expected = found_in(*scene, 1);
       add_to(expected, found_in(*scene, 2));
-      // Of the fixed atoms among themselves: the energy, a constant.
+      // The fixed atoms among themselves add their energy, a constant.
       const auto alone = kim_scene(box + atoms("b", others, "Kr", "Ar") +
                                    same_pairs("within", "[\"b\"]") + kShortRun);
       expected.energy += found_in(*alone, 0).energy;
@@ -189,7 +189,7 @@ std::array<double, 3> lengths_in(const std::string& periodic) {
   return box;
 }
 
-/// What depends on the neighbours of neighbours, across the sides of a box, too.
+/// A potential of the neighbours of neighbours is right, across the sides of a box, too.
 TEST(KimModel, NeighboursOfNeighboursAreSeen) {
   for (const std::string& periodic : kPeriodic) {
     const Places places = crystal({7, 7, 7}, 2.95, 0.3, 5);
@@ -405,7 +405,7 @@ TEST(KimModel, ListsOfHalfThePairsAreSeen) {
   }
 }
 
-/// Those of other images have neighbours, too, where a model asks for them.
+/// Atoms of other images have neighbours, too, if a model asks for them.
 TEST(KimModel, ListsWithoutThoseOfImagesAreSeen) {
   with_kim();
   const Places places = crystal({7, 7, 7}, 2.95, 0.3, 5);

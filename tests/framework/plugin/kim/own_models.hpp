@@ -4,7 +4,7 @@
 
 namespace tomlin::test {
 
-/// Where the KIM API finds the models of the tests, and keeps its settings: not in the user's home.
+/// Lets the KIM API find the models of the tests, and keeps its settings out of the user's home.
 inline void use_own_models() {
   ::setenv("KIM_API_PORTABLE_MODELS_DIR", TOMLIN_KIM_FOLDER "/models", 1);
   ::setenv("KIM_API_CONFIGURATION_FILE", TOMLIN_KIM_FOLDER "/kim-api.conf", 1);

@@ -72,7 +72,7 @@ Separation between(const Given& g, int i, int j) {
   return s;
 }
 
-/// What depends on a distance acts on both ends.
+/// Adds the force along a separation to both ends.
 void pull(const Given& g, int i, int j, const Separation& s, double slope) {
   for (int d = 0; d < 3 && g.forces != nullptr; ++d) {
     const double part = slope * s.way[d] / s.distance;

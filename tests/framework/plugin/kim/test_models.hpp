@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-/// What the models of test_model.cpp compute, for those who compute it once more.
+/// Formulas of the models of test_model.cpp, for tests that compute them once more.
 namespace tomlin::test {
 
 struct ValueAndSlope {
