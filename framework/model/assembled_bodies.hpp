@@ -36,8 +36,8 @@ struct AssembledBody {
   std::array<bool, 3> held{};  ///< axes along which nothing moves
   bool rotation_held = false;
   std::array<bool, 3> rotation_free = {true, true, true};  ///< about each axis of space
-  // Of a rigid body: its inverse mass and inertia, or without inertia its inverse friction; zero
-  // where held.
+  // Responses of a rigid body: its inverse mass and inertia, or without inertia its inverse
+  // friction; zero where held.
   std::array<double, 3> response{};
   double response_of_rotation = 0.0;
   /// From the centre to the point about which these responses are independent of each other: the

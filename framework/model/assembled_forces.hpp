@@ -57,7 +57,7 @@ class AssembledForces {
   void begin_step(const DoubleDouble& time, const Origin& origin);
   void rebase(const Origin& origin);
 
-  // What events change of the forces stands in the run's state.
+  // The run's state holds whatever events change of the forces.
 
   void declare_controls(StateLayout& layout) const;
   void attach_controls(RunState& state);

@@ -25,7 +25,7 @@ class BodyStart {
     }
   }
 
-  /// What is written from here on is of this body.
+  /// Begins a body: all that is written from here on is part of it.
   void take(const AssembledBody<Real>& body) {
     body_ = &body;
     if (body.rotor) ++rotors_;
@@ -252,7 +252,7 @@ void Assembly<Real>::assign_rates() {
   view.used_rates = rates;
 }
 
-/// Of all bodies that move, where there is a thermostat.
+/// Assigns kinetic rates to all bodies that move, where there is a thermostat.
 template <class Real>
 void Assembly<Real>::assign_kinetic(std::size_t& rates) {
   if (!plan_.half_step_velocities) return;

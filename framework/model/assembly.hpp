@@ -42,11 +42,11 @@ class Assembly {
   /// See Evaluation::lane_calls().
   const std::vector<LaneCall>& lane_calls() const { return evaluation_->lane_calls(); }
   std::vector<LaneCall>& lane_calls() { return evaluation_->lane_calls(); }
-  /// Where the numbers of bodies stand in arrays with padding; see LaneSystem.
+  /// Length of the arrays of positions that follow from coordinates, with padding; see LaneSystem.
   std::size_t mapped_size() const { return bodies_.mapped_size; }
   System<Real>& system() { return system_; }
   const System<Real>& system() const { return system_; }
-  /// Where all operators' heat stands among the integrals, with the ledger.
+  /// Index of all operators' heat among the integrals, with the ledger.
   std::ptrdiff_t friction_rate() const { return friction_.rate; }
 
   /// Fill these with the scene's start, or where another run has ended; cells of the origin stay as
@@ -55,7 +55,7 @@ class Assembly {
              const FinalState* from = nullptr);
   /// The numbers of the present state.
   void write_numbers(FinalState& state) const;
-  /// Where drivers are, for the numbers that have been written.
+  /// Writes the positions of drivers, for the numbers that have been written.
   void write_supports(const DoubleDouble& time, FinalState& state) const;
   void declare_controls(StateLayout& layout) const { forces_.declare_controls(layout); }
   void attach_controls(RunState& state) { forces_.attach_controls(state); }

@@ -23,7 +23,7 @@ struct Perturbation {
   std::uint64_t stream = 0;
 };
 
-/// What the model decides for a scene before it is bound.
+/// Decisions of the model for a scene before it is bound.
 struct AssemblyPlan {
   int dimension() const { return scene->dimension; }
 

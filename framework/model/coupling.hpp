@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-/// Which coordinates meet in a force, and an order of them that keeps those that do close together.
+/// Coordinates that meet in a force, and an order that keeps those that do close together.
 namespace tomlin {
 
 /// A graph over particles (or rigid bodies), edges between those that share an element.

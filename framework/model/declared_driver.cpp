@@ -160,7 +160,7 @@ void DeclaredDriver<Real>::find_support(const AssemblyPlan& plan,
   stage.velocity = velocity.data();
   stage.mapped_position = mapped.data();
   stage.mapped_velocity = mapped_velocity.data();
-  // Where the force takes hold: the centre of mass, or the mean of equal shares.
+  // Point of action of the force: the centre of mass, or the mean of equal shares.
   Total middle{};
   for (int d = 0; d < dimension_; ++d) {
     InterleavedSum<double> mean;

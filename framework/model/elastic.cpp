@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kMostCoordinates = 256;
 /// Parts of the largest squared frequency that are rounding.
 constexpr double kRounding = 1e-12;
-/// Of it, below which a mode does not hold the shape.
+/// Modes below this part of the largest squared frequency do not hold the shape.
 constexpr double kFloppy = 1e-9;
 /// Parts by which friction rates of one body may differ.
 constexpr double kSameRate = 1e-12;

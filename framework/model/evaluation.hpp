@@ -63,7 +63,7 @@ class Evaluation {
     const Real* mobility = nullptr;
     std::size_t dofs = 0;
   };
-  /// Which arrays of forces have been written so far, by body.
+  /// Arrays of forces that have been written so far, by body.
   struct Regions {
     std::vector<bool> particles;
     std::vector<bool> centre;

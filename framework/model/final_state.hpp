@@ -11,11 +11,11 @@
 
 namespace tomlin {
 
-/// Where a run has ended, for another one to start from, whose scene has the same bodies and
+/// The end of a run, for another one to start from, whose scene has the same bodies and
 /// internal variables: its parameters, dynamics and number type may be others. Quads hold the
 /// numbers of every type.
 struct FinalState {
-  /// What is pulled or moves as prescribed, in the scene's own coordinates; the rotation of a
+  /// A support or a prescribed body, in the scene's own coordinates; the rotation of a
   /// planar body, in rad, comes after its axes.
   struct Support {
     std::string name;
@@ -47,7 +47,7 @@ inline DoubleDouble to_double_double(Quad x) {
   return {high, static_cast<double>(x - Quad(high))};
 }
 
-/// Of a place that is relative to the origin.
+/// Returns the absolute position of one that is relative to the origin.
 Quad absolute_place(const Origin& origin, int axis, Quad relative);
 
 }  // namespace tomlin

@@ -61,13 +61,13 @@ struct FrictionArguments {
 
   RandomKey key;            ///< of the noise
   Real* normals = nullptr;  ///< scratch: as long as the particles' arrays, or a group
-  // Of a single particle, numbers that several steps share; for each part of a step.
+  // A single particle has numbers that several steps share; for each part of a step.
   std::size_t together = 1;  ///< so many steps: kGroup, or twice that
   Real* drawn = nullptr;     ///< scratch: [part][kMostDrawn]
   std::uint64_t* drawn_for = nullptr;
 };
 
-/// Of a step's flows.
+/// Number of flows of a step, each of which draws its own noise.
 inline constexpr std::size_t kNoiseParts = 2;
 /// Numbers of three axes, eight steps of each.
 inline constexpr std::size_t kMostDrawn = 3 * kGroup;
@@ -81,7 +81,7 @@ struct FrictionLanes {
   bool noisy = false;
   std::size_t together = 1;                               ///< as in FrictionArguments
   const FrictionArguments<double>* const* run = nullptr;  ///< of each replica
-  // What follows from those, once they are new.
+  // These follow from the above for replicas that are new.
   bool* any_new = nullptr;
   unsigned char* is_new = nullptr;  ///< of each replica
   std::uint64_t* ahead = nullptr;   ///< where it is new: its step; then by how much that is ahead
@@ -105,7 +105,7 @@ struct DriftHeatArguments {
 
 template <class Real>
 struct FrictionTable {
-  // As operators, see flow.hpp.
+  // Functions of operators, see flow.hpp.
   Real (*flow_of_particles)(const void* arguments, const FlowStage<Real>& stage, Real h) = nullptr;
   Real (*flow_of_body)(const void* arguments, const FlowStage<Real>& stage, Real h) = nullptr;
   Real (*drag_of_particles)(const void* arguments, const Stage<Real>& stage) = nullptr;
@@ -116,7 +116,7 @@ struct FrictionTable {
   /// The body's part of Noise.
   void (*fill)(const void* arguments, const RandomKey& key, std::uint64_t step,
                Real* numbers) = nullptr;
-  // The same over replicas; of double.
+  // Functions over replicas, in double precision.
   Real (*particles_in_lanes)(const void* arguments, const FlowStage<Real>& stage, Real h) = nullptr;
   Real (*body_in_lanes)(const void* arguments, const FlowStage<Real>& stage, Real h) = nullptr;
   void (*fill_in_lanes)(const void* arguments, const RandomKey& key, std::uint64_t step,
@@ -237,7 +237,7 @@ struct FrictionKernels {
     return T(Scalar<T>(0.5)) * mass * (before - after) * (before + after);
   }
 
-  /// What is kept of velocities over h, and the size of their noise, unless they are known.
+  /// Computes the part of velocities kept over h, and the size of their noise, unless it is known.
   template <class Real>
   TOMLIN_INLINE static void know(const FrictionArguments<Real>& a, Real h, bool midpoint) {
     if (*a.known_h == h) return;
@@ -251,15 +251,15 @@ struct FrictionKernels {
     *a.known_h = h;
   }
 
-  /// Of a single particle: where the numbers that this step shares with others are.
+  /// Index of the numbers that this step of a single particle shares with others.
   template <class Real>
   TOMLIN_INLINE static std::uint64_t shared_place(const FrictionArguments<Real>& a,
                                                   std::uint64_t step) {
     return a.together == kGroup ? step / kGroup : step / (2 * kGroup);
   }
 
-  /// Of a single particle: the numbers that this step shares, axis d of the first step at [d *
-  /// kGroup].
+  /// Returns the numbers that this step of a single particle shares, axis d of the first step at
+  /// [d * kGroup].
   template <class Real>
   TOMLIN_INLINE static const Real* drawn_with(const FrictionArguments<Real>& a,
                                               const RandomKey& key, std::uint64_t step,
@@ -305,7 +305,7 @@ struct FrictionKernels {
         fma(Group::load(a.spread + i), Group::load(a.normals + i), Group::load(v + i)).store(v + i);
       }
       if (!heats) continue;
-      // What is held has no inverse mass, and loses nothing.
+      // A held coordinate has no inverse mass, and loses nothing.
       const Group inverse = Group::load(a.inverse_mass + i);
       const Group mass = Group(Real(1.0)) / select(none < inverse, inverse, Group(Real(1.0)));
       heat += lost(mass, before, Group::load(v + i));
@@ -313,7 +313,7 @@ struct FrictionKernels {
     return heats ? sum(heat) : Real(0.0);
   }
 
-  /// As it moves freely but for friction, its rotation at rest. With S = 0 each axis decays alone.
+  /// A body moves freely but for friction, its rotation at rest. With S = 0 each axis decays alone.
   /// Else, along the free part q of the coupling between centre and rotation, in coordinates
   /// sqrt(M) u_q and sqrt(I) w, friction is a symmetric matrix (a b, b d) with two modes, each with
   /// noise of its own.
@@ -456,7 +456,7 @@ struct FrictionKernels {
 
   // ---- in lanes
 
-  /// Of a row: where it stands in the particles' arrays of one run.
+  /// Index of a row in the particles' arrays of one run.
   TOMLIN_INLINE static std::size_t at_row(const FrictionArguments<double>& a, std::size_t row) {
     return row / a.body.count * a.body.stride + row % a.body.count;
   }
@@ -505,7 +505,7 @@ struct FrictionKernels {
     return l.together - from;
   }
 
-  /// What drawn_with() does for single particles on a line or in the plane, eight of them at once:
+  /// Works like drawn_with() for single particles on a line or in the plane, eight of them at once:
   /// the scalar work of all first, whose latencies hide each other, then that of vectors.
   TOMLIN_INLINE static void prepare(const FrictionLanes& l, std::uint64_t step, std::uint64_t part,
                                     const std::uint64_t* next) {

@@ -35,10 +35,10 @@ class FrictionMatrix {
   std::ptrdiff_t rate = kNoRate;  ///< where all operators' heat stands among the integrals
 
  private:
-  /// Of forces that are operators and act at all times: the flows that they hand out, else their
-  /// coefficients.
+  /// Collects from forces that are operators and act at all times the flows that they hand out,
+  /// else their coefficients.
   void collect(const AssemblyPlan& plan, const std::vector<AssembledForce<Real>>& forces);
-  /// Of one force, beside what there is of others.
+  /// Collects the friction of one force, beside that of others.
   void collect(const AssembledForce<Real>& force);
   void begin(const std::vector<AssembledBody<Real>>& bodies);
   /// The friction that has been collected, body by body.
@@ -59,7 +59,7 @@ class FrictionMatrix {
   void miss(const AssemblyPlan& plan, const AssembledBody<Real>& body,
             const std::string& coordinate);
 
-  /// Of each body's particles.
+  /// Coefficients of each body's particles.
   std::vector<std::vector<double>> coefficients_;
   std::vector<std::vector<double>> warmth_;  ///< coefficient times temperature; empty: no noise
   std::vector<const AssembledForce<Real>*> thermostats_;  ///< of each body; null: none

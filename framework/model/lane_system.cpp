@@ -341,7 +341,7 @@ void LaneSystem::put(std::size_t lane, const Model& model, std::uint64_t steps) 
   layout_.rates.put(from.integrals, lane, width(), view.integrals);
   mapped_.put(from.mapped_position, lane, width(), view.mapped_position);
   mapped_.put(from.mapped_velocity, lane, width(), view.mapped_velocity);
-  // Of flows or, without inertia, of noises.
+  // Friction is that of flows or, without inertia, of noises.
   for (std::size_t k = 0; k < friction_.size(); ++k) {
     friction_[k].put(lane, from.flow_count > 0 ? from.flows[k].arguments : from.noises[k].arguments,
                      steps);

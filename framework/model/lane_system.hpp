@@ -23,7 +23,7 @@ class LaneSystem {
   /// Why a model is in no lanes; empty where it is.
   static std::string why_not(const Model& model);
 
-  /// Of models of the structure of this one, which outlives it. Width: lanes, a multiple of kGroup.
+  /// Takes models of the structure of `first`, which outlives it. Width: lanes, multiple of kGroup.
   LaneSystem(const Model& first, std::size_t width);
   LaneSystem(const LaneSystem&) = delete;
   LaneSystem& operator=(const LaneSystem&) = delete;
@@ -40,7 +40,7 @@ class LaneSystem {
   /// False where a model has to be anchored: put_timed().
   bool follows_by_kernel() const { return by_kernel_; }
   void put_timed(std::size_t lane, const Model& model);
-  /// Of a lane, and of all: count * unit.
+  /// Sets the time of a lane, or of all lanes: count * unit.
   void set_time(std::size_t lane, const DoubleDouble& time);
   void set_times(const double* count, double unit);
   /// Lanes follow the times that are set.
@@ -102,7 +102,7 @@ class LaneSystem {
   const Model& first_;
   LaneLayout layout_;
   LaneMap mapped_;
-  /// Of one run's numbers: how many without padding stand before each, and before the end.
+  /// Counts in one run's numbers: how many without padding stand before each, and before the end.
   std::vector<std::size_t> coordinates_before_;
   std::vector<std::size_t> mapped_before_;
   std::vector<std::size_t> rates_before_;

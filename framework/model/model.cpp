@@ -19,7 +19,7 @@ namespace tomlin {
 
 namespace {
 
-/// Where a body's particles start: as many as it says, each in all dimensions.
+/// Builds a body's particles at the start: as many as it says, each in all dimensions.
 BodyGeometry build(const SceneBody& body, int dimension) {
   const void* description = body.description.get();
   BodyGeometry geometry = body.record->build(description, dimension);
@@ -222,7 +222,7 @@ void Model::start(const Perturbation* noise, const FinalState* from) {
   drift_velocity(view.velocity);
 }
 
-/// Of coordinates and internal variables, in their order.
+/// Describes coordinates and internal variables, in their order.
 std::vector<std::string> Model::structure() const {
   std::vector<std::string> parts = {fmt::format("{} dimensions", dimension())};
   for (const Body& body : bodies()) {

@@ -56,15 +56,15 @@ class Model {
 
   const Scene& scene() const { return *scene_; }
   int dimension() const { return scene_->dimension; }
-  /// What any number type binds the scene with.
+  /// The plan by which any number type binds the scene.
   const AssemblyPlan& plan() const { return plan_; }
   const std::vector<Body>& bodies() const { return assembly_.bodies(); }
   const std::vector<Force>& forces() const { return assembly_.forces(); }
   const std::vector<Driver>& drivers() const { return assembly_.drivers(); }
   const std::vector<LeftOut>& left_out() const { return assembly_.left_out(); }
-  /// What reads numbers off bodies, on the instruction set of the model.
+  /// Functions that read numbers off bodies, on the instruction set of the model.
   const ObserveTable& observe() const { return observe_; }
-  /// Where friction's heat stands among the rates when it is an operator, with the ledger.
+  /// Index of friction's heat among the rates when it is an operator, with the ledger.
   std::ptrdiff_t friction_rate() const { return assembly_.friction_rate(); }
   const Assembly<double>& assembly() const { return assembly_; }
   Assembly<double>& assembly() { return assembly_; }
@@ -86,8 +86,8 @@ class Model {
 
   /// When a force becomes active or ceases to be, the next time; infinite: never again.
   double next_switch() const;
-  /// Those do, at the attached state of this time, that were to until `latest`. Returns their
-  /// names.
+  /// Switches, at the attached state of this time, the forces that were to switch until `latest`.
+  /// Returns their names.
   std::vector<std::string> switch_forces(const DoubleDouble& time, double latest);
 
   /// Move the origin when everything has moved by a cell or more. Cheap when nothing has. True when
@@ -109,7 +109,7 @@ class Model {
   /// in `rates`.
   void evaluate_at(const DoubleDouble& time, const double* position, const double* velocity,
                    const double* integrals, double* rates);
-  /// The same for a particle alone on a line, without a loop over particles in each force,
+  /// Evaluates forces for a particle alone on a line, without a loop over particles in each force,
   /// `elapsed` after the time that forces are anchored at.
   void evaluate_point(double position, double velocity, double elapsed, double* rates) const;
 
@@ -159,13 +159,13 @@ class Model {
   /// coordinates than are looked at.
   std::optional<double> slowest_time();
 
-  /// Of rigid bodies in space, about a principal axis; an angular velocity.
+  /// Fastest rotation of rigid bodies in space, about a principal axis; an angular velocity.
   double fastest_spin() const;
   /// The largest fixed step that this scheme is stable with; infinite when nothing limits it. May
   /// return a lower bound that is easier to find if the bound is beyond `enough`.
   double stable_step(const IntegratorRecord& scheme,
                      double enough = std::numeric_limits<double>::infinity());
-  /// What steps of an adaptive scheme cannot exceed for long, since friction and springs would make
+  /// Steps of an adaptive scheme cannot exceed this for long, since friction and springs would make
   /// them grow; infinite when nothing limits them. Generous: a lower bound of the cost.
   double longest_lasting_step(const IntegratorRecord& scheme);
 

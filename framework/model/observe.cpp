@@ -9,7 +9,7 @@
 #include "framework/core/text/axis_names.hpp"
 #include "framework/model/model.hpp"
 
-/// What can be read off a bound model at a given state.
+/// Numbers that can be read off a bound model at a given state.
 namespace tomlin {
 Stage<double> Model::stage(const double* position, const double* velocity, const double* integrals,
                            double* rates) const {

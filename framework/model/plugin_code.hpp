@@ -29,8 +29,8 @@ class PluginError : public std::runtime_error {
   std::string said_;
 };
 
-/// What `action` returns; whatever it throws comes out as a PluginError, and the arithmetic is as
-/// it was `before`.
+/// Returns the result of `action`; whatever it throws comes out as a PluginError, and the
+/// arithmetic is as it was `before`.
 template <class Action>
 auto in_plugin(const std::string& component, const std::string& library, Action action,
                OwnArithmetic::Mode before = OwnArithmetic::mode()) {
@@ -46,19 +46,19 @@ auto in_plugin(const std::string& component, const std::string& library, Action 
   }
 }
 
-/// What a component has made is none of what it should be.
+/// Error of a component that has made something other than it should.
 struct UnfitPart : std::logic_error {
   using std::logic_error::logic_error;
 };
 
-/// What a factory has made, which must be something.
+/// Returns the product of a factory, which must not be null.
 template <class Pointer>
 Pointer something(Pointer made) {
   if (made == nullptr) throw UnfitPart("its factory has returned a null pointer");
   return made;
 }
 
-/// What `action` makes of a component when the scene is bound. What a plugin throws is a fault of
+/// Returns the result of `action`, which binds a component. An exception of a plugin is a fault of
 /// the scene that names it. `kind`: "force", say.
 template <class Component, class Action>
 auto bound_by(const Component& component, const char* kind, Action action) {
@@ -79,7 +79,7 @@ auto bound_by(const Component& component, const char* kind, Action action) {
   } catch (const std::exception& error) {
     did = thrown + error.what();
   } catch (...) {
-    // As it says.
+    // The text stays as it is.
   }
   throw InputError(
       {Fault(FaultCode::plugin_error, component.place, std::string(kind) + "." + component.name, "",

@@ -103,7 +103,7 @@ template <class Real>
 void PrescribedBodies<Real>::accelerate(const void* arguments, const Stage<Real>& stage) {
   const auto& a = *static_cast<const Inertia*>(arguments);
   const double now = static_cast<double>(*a.anchor) + static_cast<double>(stage.elapsed);
-  // Where a velocity jumps or its slope has no bound there is no force to speak of.
+  // The force counts as zero where a velocity jumps or its slope has no bound.
   const auto slope = [now](const TimeFunction& function) {
     const double value = slope_of(function, now);
     return std::isfinite(value) ? value : 0.0;

@@ -45,7 +45,7 @@ class PrescribedBodies {
   /// The kernel that adds what accelerates a body to the force on it, if anything does.
   void add_inertia(std::size_t body, std::vector<Operation<Real>>& operations) const;
 
-  /// Where a body has come to, in the scene's own coordinates, with this origin and these internal
+  /// Position of a body, in the scene's own coordinates, with this origin and these internal
   /// variables; a planar one's rotation after it, in rad.
   std::vector<Quad> place_of(const AssembledBody<Real>& body, const DoubleDouble& time,
                              const Origin& origin, const std::vector<Quad>& own) const;
@@ -64,7 +64,7 @@ class PrescribedBodies {
   double speed_of(const AssembledBody<Real>& body, int axis) const;
 
  private:
-  /// Where a body is: its way since the start from the time alone, or from its own variables.
+  /// Motion of a body: its displacement, from the time alone or from its internal variables.
   struct Steering {
     const Motion* motion = nullptr;
     int axes = 0;
@@ -82,15 +82,15 @@ class PrescribedBodies {
     const TimeFunction& function(int k) const {
       return k < 3 ? motion->velocity[k] : motion->angular_velocity;
     }
-    /// Where the velocity is constant.
+    /// Displacement where the velocity is constant.
     DoubleDouble travelled(int k, const DoubleDouble& time) const {
       const DoubleDouble since_start = time * function(k).constant;
       return began[k] == DoubleDouble() ? since_start : began[k] + since_start;
     }
   };
-  /// What accelerates a body, besides what the forces on it take: m dv/dt and the power of that and
-  /// of I domega/dt. Added to the body's force and power, and kept apart behind them, since their
-  /// integrals are known from the velocities at both ends, jumps of the velocity included.
+  /// Inertial force of a body, besides what the forces on it take: m dv/dt and the power of that
+  /// and of I domega/dt. Added to the body's force and power, and kept apart behind them, since
+  /// their integrals are known from the velocities at both ends, jumps of the velocity included.
   struct Inertia {
     std::size_t body = 0;
     const Motion* motion = nullptr;

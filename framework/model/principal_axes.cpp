@@ -7,7 +7,7 @@
 namespace tomlin {
 namespace {
 
-/// What is left beside the diagonal, as a part of the trace, is rounding of the particles' places.
+/// Elements off the diagonal below this part of the trace are rounding of particles' positions.
 constexpr double kRounding = 1e-14;
 /// Convergence is quadratic: five or six sweeps do.
 constexpr int kMostSweeps = 30;

@@ -64,9 +64,9 @@ double shortest_length(const Model& model) {
   return shortest;
 }
 
-/// Of each force: the scene's shortest that is declared, or its own where that is much shorter or
-/// nothing is declared. Without either it is that of the other forces; where none has one, how far
-/// from the origin bodies are, but at most 1.
+/// Length of each force: the scene's shortest that is declared, or its own where that is much
+/// shorter or nothing is declared. Without either it is that of the other forces; where none has
+/// one, how far from the origin bodies are, but at most 1.
 std::vector<double> lengths_of(const Scene& scene) {
   const double declared = shortest_length(Model(std::make_shared<Scene>(scene)));
   std::vector<double> lengths(scene.forces.size(), 0.0);

@@ -8,11 +8,11 @@
 
 #include "framework/scene/scene.hpp"
 
-/// What the forces of a scene declare by their traits and contracts, held against what they do to
+/// Declarations of a scene's forces by their traits and contracts, held against what they do to
 /// this scene's bodies with this scene's numbers. The properties themselves stand in properties/.
 namespace tomlin {
 
-/// Where a property was closest to breaking, or broke.
+/// The state in which a property was closest to breaking, or broke.
 struct PropertyPoint {
   std::string state;             ///< "near the start", "far away", "almost touching", ...
   std::string body;              ///< empty: everything together
@@ -26,7 +26,7 @@ struct PropertyPoint {
   std::string text() const;
 };
 
-/// What the properties of all forces together are filed under.
+/// Name under which the properties of all forces together are filed.
 inline constexpr const char* kAllForces = "all forces";
 
 /// One property of one force, or of all.

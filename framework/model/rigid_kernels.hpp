@@ -22,12 +22,12 @@ struct RigidArguments {
   const Real* reference = nullptr;  ///< particles about the centre, unrotated: [axis * stride + i]
   Real* arm = nullptr;              ///< the same, rotated; written by `place`, read by `gather`
   bool velocities = false;          ///< some force reads the particles' velocities
-  /// Of a prescribed body: where its coordinates and velocities stand; null for a rigid body, whose
+  /// Coordinates and velocities of a prescribed body; null for a rigid body, whose
   /// coordinates are part of the state.
   const Real* coordinates = nullptr;
   const Real* speeds = nullptr;
   std::ptrdiff_t rate = kNoRate;  ///< where the force and the power of a prescribed body go
-  // Of a rotor, whose `reference` is along its principal axes:
+  // The rest is for a rotor, whose `reference` is along its principal axes.
   const Real* axes = nullptr;    ///< [axis of space][principal axis], at p = 0
   Real* turned = nullptr;        ///< the same at p; written by `place`, read by `gather`
   Real moments[3] = {};          ///< of inertia; 0 along a rod
@@ -44,7 +44,7 @@ struct RigidTable {
   Kernel<Real> gather_add[3] = {};
   /// Forces on particles -> the force that keeps up a prescribed motion, and its power.
   Kernel<Real> react[3] = {};
-  /// The same of a rotor: its torque is along the principal axes.
+  /// Kernels of a rotor: its torque is along the principal axes.
   Kernel<Real> place_rotor = nullptr;
   Kernel<Real> gather_rotor_set = nullptr;
   Kernel<Real> gather_rotor_add = nullptr;

@@ -68,7 +68,7 @@ struct Sliding {
   /// Largest curvature of the substrate's energy for the body as a whole if all its particles were
   /// in phase, mass/time^2.
   double curvature = 0.0;
-  /// The same for the body as it is placed, moved along the axis without changing its shape.
+  /// Largest curvature for the body as placed, moved along the axis without changing its shape.
   double curvature_as_placed = 0.0;
   /// 0: the driver does not move.
   double washboard_frequency = 0.0;  ///< angular, 2 pi |v| / period
@@ -123,7 +123,7 @@ struct Scales {
   std::vector<ForceScale> forces;  ///< those built, in the scene's order
   Damping damping;
   std::vector<Sliding> sliding;
-  /// Likewise where a force has no period along the axis, as a turned lattice, or its curvature no
+  /// Sliding where a force has no period along the axis, as a turned lattice, or its curvature no
   /// bound, as one that depends on height: what is known is the curvature as placed, over a period
   /// or the length of a cell. The period is 0 where there is none, the curvature without a bound.
   std::vector<Sliding> sliding_as_placed;

@@ -5,7 +5,7 @@
 #include "framework/core/records/integrator.hpp"
 #include "framework/model/assembly.hpp"
 
-/// What an integrator cannot do right is refused before a run, with the integrators that can.
+/// Refuses before a run what an integrator cannot do right, with the integrators that can.
 /// What a scheme can take stands in the flags of its record alone.
 namespace tomlin {
 

@@ -10,7 +10,7 @@
 namespace tomlin {
 namespace {
 
-/// Of a body in the plane.
+/// Distance of a body's farthest particle from its centre, in the plane.
 double farthest_arm(const Model::Body& body) {
   double farthest = 0.0;
   for (const std::array<double, 3>& arm : body.arms) {
@@ -19,7 +19,7 @@ double farthest_arm(const Model::Body& body) {
   return farthest;
 }
 
-/// As the record has it, whether the scene declares it a driver or not.
+/// The force as the record has it, whether the scene declares it a driver or not.
 SceneForce as_force(SceneForce force) {
   force.driver = false;
   return force;

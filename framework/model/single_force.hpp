@@ -56,7 +56,7 @@ class SingleForce {
   const double* rates() const { return rates_.data(); }
   double energy(double time);
 
-  /// What it does to a body as a whole.
+  /// Total force and torque on a body.
   struct Wrench {
     std::array<double, 3> force{};
     std::array<double, 3> torque{};  ///< about the origin of the positions

@@ -84,7 +84,7 @@ class ScaledHessian : public HessianSink {
     }
   }
 
-  /// Of a dense one.
+  /// Eigenvalues of a dense matrix.
   std::vector<double> eigenvalues() const {
     if (matrix_.rows() == 0) return {};
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix_, Eigen::EigenvaluesOnly);
@@ -283,7 +283,7 @@ class DampingRates : public FrictionSink {
       }
     }
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(friction, Eigen::EigenvaluesOnly);
-    // What is held has no motion to be damped: its zeros are the first eigenvalues.
+    // Held coordinates have no motion to be damped: their zeros are the first eigenvalues.
     std::array<double, 3> response = body.response;
     if (planar) response[2] = body.response_of_rotation;
     const auto held = std::count(response.begin(), response.end(), 0.0);
@@ -399,7 +399,7 @@ double stable_step_of(const IntegratorRecord& scheme, std::complex<double> mode,
   return std::min(most, low / speed);
 }
 
-/// The same for a damped oscillator, y'' = -omega^2 y - gamma y'.
+/// Stable step for a damped oscillator, y'' = -omega^2 y - gamma y'.
 double stable_step_of(const IntegratorRecord& scheme, double omega, double gamma,
                       double most = kForever, double damped = 0.0) {
   if (scheme.stable_step != nullptr) return std::min(most, scheme.stable_step(omega, gamma));
@@ -416,8 +416,8 @@ bool stable_without_friction(const IntegratorRecord& scheme) {
   return stable_step_of(scheme, 1.0, 0.0) > kShort;
 }
 
-/// What forces' own variables add to the motion: how fast they decay by themselves, and the square
-/// frequency at which they swing with the velocities that drive them.
+/// Effect of forces' internal variables on the motion: how fast they decay by themselves, and the
+/// square frequency at which they swing with the velocities that drive them.
 struct OwnModes {
   double rate = 0.0;
   double square = 0.0;
@@ -538,8 +538,8 @@ OwnDecay own_decay(Model& model) {
   return decay;
 }
 
-/// Of an oscillator of this square frequency, whose friction over mass lies between two bounds; 0
-/// where it has neither stiffness nor friction.
+/// Slowest time of an oscillator of this square frequency, whose friction over mass lies between
+/// two bounds; 0 where it has neither stiffness nor friction.
 double slowest_time_of_mode(double square, double least_friction, double most_friction) {
   if (!(square > 0.0)) return least_friction > 0.0 ? 1.0 / least_friction : 0.0;
   double slowest = kTau / std::sqrt(square);
@@ -550,7 +550,7 @@ double slowest_time_of_mode(double square, double least_friction, double most_fr
                   (half + std::sqrt(half * half - square)) / square);
 }
 
-/// What a curvature of the energy per particle does to the fastest motion of a body at most: its
+/// Largest effect of a curvature of the energy per particle on the fastest motion of a body: its
 /// square frequency, or without inertia the relaxation rate.
 double response_to_sites(const Model& model, const Model::Body& body, double curvature) {
   const BodySlot<double>& slot = body.bound.slot;

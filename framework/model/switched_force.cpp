@@ -31,7 +31,7 @@ std::vector<Pass<Real>> SwitchedForce<Real>::passes() {
   std::vector<Pass<Real>> all = force_->passes();
   for (Pass<Real>& pass : all) {
     const Gate& own = gate(pass.add, pass.arguments);
-    // What it has not written is no zero: another kernel has to set.
+    // A closed gate writes nothing, not even zeros: another kernel has to set.
     pass.set = nullptr;
     pass.add = &run_gate;
     pass.arguments = &own;
@@ -125,7 +125,7 @@ Real SwitchedForce<Real>::run_drag(const void* gated, const Stage<Real>& stage) 
   return Real(0.0);
 }
 
-/// The same one whenever it is asked for: passes are identified by their arguments.
+/// Returns the same gate for the same kernel and arguments, by which passes are identified.
 template <class Real>
 auto SwitchedForce<Real>::gate(Kernel<Real> run, const void* arguments) -> const Gate& {
   for (const Gate& known : gates_) {

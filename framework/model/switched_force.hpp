@@ -36,7 +36,7 @@ class SwitchedForce final : public BoundForce<Real> {
   void shift_energy(double by) { control_[kZero] += by; }
   bool is_active() const { return control_ == nullptr || control_[kPhase] == kActive; }
   bool is_over() const { return control_ != nullptr && control_[kPhase] == kOver; }
-  /// The same flow where the force is active, and none where it is not.
+  /// Returns this flow where the force is active, and none where it is not.
   Flow<Real> gated(const Flow<Real>& flow);
   /// It is taken by its flow alone: what it stores does not change while it is not active.
   void is_taken_as_operator() { as_operator_ = true; }
@@ -80,7 +80,7 @@ class SwitchedForce final : public BoundForce<Real> {
   void passed(const DoubleDouble& time) override { force_->passed(time); }
 
  private:
-  /// Of the control: whether it is active, and its energy at the last switch, below zero.
+  /// Numbers of the control: whether it is active, and its energy at the last switch, below zero.
   enum { kPhase, kZero, kCount };
   /// Values of kPhase.
   static constexpr double kBefore = 0.0;

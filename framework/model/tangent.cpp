@@ -421,7 +421,7 @@ void ForceTangent::times_stiffness(const double* x, double* y) const {
 
 // ---- solving
 
-/// Of what the diagonal entries of a combination are summed from.
+/// Size of the terms of which the diagonal entries of a combination are sums.
 double ForceTangent::size_of(std::size_t i, double mass, double friction, double stiffness) const {
   return mass * masses_[i] + friction * friction_sizes_[i] + stiffness * stiffness_sizes_[i];
 }

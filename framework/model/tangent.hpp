@@ -109,7 +109,7 @@ class ForceTangent final : public Tangent {
   std::vector<std::vector<double>> coefficients_;  ///< of friction, of bodies' particles
   AlignedVector<double> unused_rates_;
 
-  // Of the last factor().
+  // Results of the last factor().
   BandMatrix matrix_;
   std::vector<double> sizes_;
   BorderedFactors factors_;

@@ -25,7 +25,7 @@ class BlockedSeries {
     open_ = reals + kBlocks;
     counts_ = integers;
   }
-  /// As a state that is all zero.
+  /// Begins a series: all numbers are zero.
   void start() {
     *open_ = 0.0;
     counts_[kFilled] = counts_[kDoublings] = counts_[kInOpen] = 0;

@@ -10,8 +10,8 @@ namespace {
 /// Fewer blocks do not show how much they scatter.
 constexpr std::size_t kFewestBlocks = 8;
 
-/// Of so many blocks; and a variance that is less than this part of that of shorter blocks is no
-/// chance.
+/// A series that swings back is averaged over no fewer blocks than this; a variance below this part
+/// of that of shorter blocks is no chance.
 constexpr std::size_t kFewestSwings = 16;
 constexpr double kSwing = 0.25;
 
@@ -63,7 +63,7 @@ BlockedMean blocked_mean_in_place(std::span<double> blocks) {
     if (size * size * size > 2.0 * n * growth * growth) break;
     blocks = halved(blocks);
   }
-  // What swings back has a smaller error than independent numbers.
+  // A series that swings back has a smaller error than independent numbers.
   for (; growth <= 1.0 && blocks.size() >= 2 * kFewestSwings;) {
     blocks = halved(blocks);
     const double longer = variance_of_mean(blocks);

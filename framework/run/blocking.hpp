@@ -5,7 +5,7 @@
 
 namespace tomlin {
 
-/// What is known of the mean of a correlated series.
+/// Statistics of the mean of a correlated series.
 struct BlockedMean {
   std::optional<double> error;     ///< standard error of the mean; nothing where it is unknown
   double correlation_times = 0.0;  ///< lengths of the series by its integrated correlation time
@@ -20,7 +20,7 @@ struct BlockedMean {
 /// H. G. Petersen, J. Chem. Phys. 91 (1989) 461, doi:10.1063/1.457480; the size: R. M. Lee et al.,
 /// Phys. Rev. E 83 (2011) 066706, doi:10.1103/PhysRevE.83.066706.
 BlockedMean blocked_mean(std::span<const double> series);
-/// The same without allocation; the numbers are lost.
+/// Returns the same as blocked_mean() without allocation; the numbers are lost.
 BlockedMean blocked_mean_in_place(std::span<double> series);
 
 /// The standard error of the mean of independent numbers; nothing of fewer than eight, whose

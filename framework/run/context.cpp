@@ -80,7 +80,7 @@ DoubleDouble RunContext::into_step() const {
   return clock.now() - two_prod(static_cast<double>(clock.grid_steps()), plan.dt);
 }
 
-/// Of the grid where there is one, so that an event does not shift blocks.
+/// Blocks are those of the grid where there is one, so that an event does not shift them.
 bool RunContext::block_ends() const {
   if (plan.dt == 0.0) return clock.steps() % kBlock == 0;
   return clock.grid_steps() % kBlock == 0 && static_cast<double>(into_step()) == 0.0;

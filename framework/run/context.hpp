@@ -101,7 +101,7 @@ struct RunContext {
   EquilibriumPath* path = nullptr;  ///< of a quasistatic run
   RunPlan plan;
   double stable_step = 0.0;
-  /// Of an adaptive scheme, where it does not estimate the error itself.
+  /// Longest step of an adaptive scheme, where it does not estimate the error itself.
   double longest_step = std::numeric_limits<double>::infinity();
   RunState state;
   RunClock clock;

@@ -66,7 +66,7 @@ std::vector<Followed> asked_for(const PerturbSettings& settings,
   return all;
 }
 
-/// What a result is on the branch that a disturbed path has taken, where it has been repeated under
+/// Returns a result on the branch that a disturbed path has taken, where it has been repeated under
 /// half the force: extrapolated to none at all. The force itself, which moves results in
 /// proportion, is no reason to call them not determined.
 std::optional<double> without_force(std::optional<double> alone, std::optional<double> under,

@@ -7,7 +7,7 @@
 
 namespace tomlin {
 
-/// Where and why a step failed: the coordinate that moves furthest (or is no number), the force
+/// Finds where and why a step failed: the coordinate that moves furthest (or is NaN), the force
 /// that acts most strongly on it, and the likely cause. The state is that before the step.
 RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault fault,
                     std::uint64_t step, const DoubleDouble& time, double h, double stable_step);

@@ -13,7 +13,7 @@ constexpr std::uint64_t kOnTheWay = 7;
 
 }  // namespace
 
-/// Of other number types the state stands elsewhere: their disturbances are those of the start.
+/// Runs in other precisions keep their state elsewhere: their disturbances are those of the start.
 double memory_of_disturbances(Model& model) {
   if (model.scene().run.number_type != NumberType::double_precision) return 0.0;
   const Model::Stiffness rates = model.stiffness();

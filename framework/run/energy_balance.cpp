@@ -53,7 +53,7 @@ constexpr double kTolerances = 300.0;
 constexpr double kSurely = 4.0;
 /// Heat, in parts of the energy, that is none: nothing damps, or friction has had no time to.
 constexpr double kNoHeat = 1e-12;
-/// Of the energy itself, that its changes are rounding.
+/// Changes of the energy below this part of it are rounding.
 constexpr double kRounding = 1e-11;
 /// Samples for a standard error.
 constexpr std::int64_t kFewest = 8;
@@ -61,7 +61,7 @@ constexpr std::int64_t kFewest = 8;
 /// Work or heat of fewer times the mean energy than this is no flow through a body in a bath.
 constexpr double kNetFlow = 100.0;
 
-/// Of the places of blocks: the same in every run, so that results are reproducible.
+/// Key of the random positions of blocks: it is the same in every run, for reproducible results.
 constexpr RandomKey kKey{0x656e65726779, 0};
 
 /// Returns the numerical work that the tolerance of an adaptive scheme allows; infinite where it

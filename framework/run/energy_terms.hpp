@@ -9,7 +9,7 @@ namespace tomlin {
 class MeasureWindow;
 struct RunContext;
 
-/// What some time does to the energy.
+/// Changes of the energy over some time.
 struct EnergyTerms {
   double work = 0.0;    ///< by drivers, and by energies that change with time
   double heat = 0.0;    ///< to all dampers
@@ -42,7 +42,7 @@ double kinetic_energy(const Model& model, const double* position, const double* 
 /// Kinetic and potential energy at a state, but for a constant.
 double stored_energy(Model& model, const DoubleDouble& time, const double* position,
                      const double* velocity, const double* integrals);
-/// Of a run, now.
+/// Kinetic and potential energy of a run, now.
 double stored_energy(RunContext& run);
 
 /// Heat of the whole scene so far, but for a constant: what was put in and is stored no more.

@@ -26,7 +26,7 @@ constexpr std::uint64_t kBatch = 64 * kBlock;
 
 }  // namespace
 
-/// What a run is made of.
+/// Parts of which a run is made.
 struct Engine::Parts {
   Parts(const std::shared_ptr<const Scene>& scene, const RunOptions& options);
 
@@ -143,7 +143,7 @@ void Engine::Parts::begin() {
   }
 }
 
-/// What the scene asks for is there; whoever asks for something else has looked.
+/// Checks that the scene's observables exist; the caller has checked those of the options.
 void Engine::Parts::check_observables() {
   const MeasureSettings& measure = run.scene->measure;
   if (measure.observables.empty() || !run.options.observables.empty()) return;
@@ -228,7 +228,7 @@ void Engine::Parts::advance(std::uint64_t steps) {
 }
 
 RunResult Engine::Parts::run_all() {
-  // Where batches end blocks of steps do, and some of what is watched is looked at there: at the
+  // Batches end where blocks of steps do, and some of what is watched is looked at there: at the
   // same steps whether the run began here or resumes from a checkpoint.
   run.attempt([this] {
     while (!run.outcome.done()) {
@@ -292,8 +292,8 @@ void Engine::Parts::read_rates() {
                         rates.data());
 }
 
-/// What is known at the end: the window may close there, and the final forces are read off. Where a
-/// plugin throws once more, nothing is.
+/// Reads the results at the end: the window may close there, and the final forces are read off. All
+/// are unknown where a plugin throws once more.
 void Engine::Parts::finish() {
   constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
   std::fill(rates.begin(), rates.end(), kNothing);

@@ -36,13 +36,13 @@ class Engine {
   Integrator<double>& integrator();
   /// The stability limit of the scheme's step, at the current state.
   double stable_step() const;
-  /// What is known of the energy balance without a ledger, after run(); see energy_balance.hpp.
+  /// The energy balance as sampled without a ledger, after run(); see energy_balance.hpp.
   std::optional<SampledWork> sampled_work() const;
-  /// What a sink that wants samples gets.
+  /// Layout of the data for a sink that wants samples.
   RunLayout layout() const;
-  /// Of a run that has finished, for another to start from.
+  /// Final state of a run that has finished, for another to start from.
   FinalState final_state();
-  /// What the code of a plugin has thrown, if it has.
+  /// The exception that the code of a plugin has thrown, if any.
   const std::optional<PluginError>& thrown() const;
 
   /// Go on from the numbers of another engine of the same scene: state().to_bytes(). Throws
@@ -62,8 +62,8 @@ class Engine {
   /// them on: of a single particle on a line.
   bool watches_steps() const;
   void watch(std::int64_t first, std::size_t count, const PointStarts<double>& starts);
-  /// Where steps are adaptive: the run goes on by itself with a step that would end at this time or
-  /// later.
+  /// An adaptive step that would end at this time or later is taken by the run itself, outside of
+  /// the batch.
   double next_due() const;
   /// Why the run takes all its steps by itself; empty: it may be in a batch.
   std::string why_not_in_lanes() const;

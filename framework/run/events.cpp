@@ -16,19 +16,19 @@ constexpr double kFastFactor = 10.0;
 /// Between two slips the driver moves at least this part of a period: the swings after a slip
 /// belong to it.
 constexpr double kCalmPart = 0.02;
-/// Of a period, that a driver moves before it can have pulled anything over a barrier: a spring
-/// softer than the wells (s > 1) holds until s / 2 pi, from an equilibrium.
+/// A driver that has moved by less than this part of a period cannot have pulled anything over a
+/// barrier: a spring softer than the wells (s > 1) holds until s / 2 pi, from an equilibrium.
 constexpr double kLoadedPart = 0.1;
-/// Of a period, from the bottom of a well: there the point is in it. A sinusoid turns concave at a
+/// A point is in a well within this part of a period from its bottom. A sinusoid turns concave at a
 /// quarter; a spring holds the point a little beyond.
 constexpr double kInner = 0.3;
-/// Of a period, that the driver moves along a chord: what is left of the swings after a slip is
-/// small over it, and the slope of a sinusoidal well is that at its bottom to less than a
+/// The driver moves by this part of a period along a chord: what is left of the swings after a slip
+/// is small over it, and the slope of a sinusoidal well is that at its bottom to less than a
 /// hundredth.
 constexpr double kChordPart = 0.05;
-/// Of a period: the point is in another well than before, where wells are not known. From its
-/// largest force to its lowest a tip passes half of the period of a weak substrate, and more of
-/// that of a strong one; less is the passage of some of a body's particles, or a swing.
+/// A point that moves by more than this part of a period is in another well, where wells are not
+/// known. From its largest force to its lowest a tip passes half of the period of a weak substrate,
+/// and more of that of a strong one; less is the passage of some of a body's particles, or a swing.
 constexpr double kPassage = 0.45;
 /// Parts of the driver's speed: the point rests in a well, whose curvature is more than the
 /// spring's.
@@ -63,8 +63,8 @@ Event hop(double from, double to, double height) {
 
 namespace {
 
-/// Of a pull: force over displacement where only the components along it count. The axes' own where
-/// they are equal, without rounding.
+/// Stiffness of a pull: force over displacement where only the components along it count. Equal
+/// stiffnesses of the axes are returned as they are, without rounding.
 double stiffness_of_pull(const Drive& drive) {
   double squares = 0.0;
   double compliance = 0.0;
@@ -99,7 +99,7 @@ double LastPoints::at(double t) const {
   return p[0];
 }
 
-/// The same with derivatives.
+/// Neville's scheme with derivatives.
 double LastPoints::slope_at(double t) const {
   double p[kMost];
   double q[kMost] = {};
@@ -213,7 +213,7 @@ void DriverWatch::begin_chord(double time, double force) {
   numbers_[kChordEnd] = time + kChordPart * period_ / speed_;
 }
 
-/// What swings after a slip, or in its well, is no stiffness.
+/// Swings after a slip, or in a well, show no stiffness: the chord begins again.
 void DriverWatch::restart_chord(double time, double force) {
   if (std::isfinite(numbers_[kChordEnd])) begin_chord(time, force);
 }
@@ -224,7 +224,7 @@ void DriverWatch::end_chord(double time, double force) {
   begin_chord(time, force);
 }
 
-/// Of the pulled point, along the pull.
+/// Displacement of the pulled point, along the pull.
 double DriverWatch::way(double from, double force_from, double to, double force_to) const {
   return speed_ * (to - from) - (force_to - force_from) / stiffness_;
 }
@@ -309,7 +309,7 @@ void DriverWatch::look_for_slip(const Emit& emit) {
   const bool known = busy_[kWells] == kKnownWells;
   double well = place();
   if (known && !in_well(well)) return;  // on a barrier
-  // What only swings in its well has not slipped, nor has what came to its first one.
+  // A point that only swings in its well has not slipped, nor has one that came to its first well.
   const bool stayed = busy_[kHasWell] == 0 || well == numbers_[kWell];
   if (!(known && stayed) && !is_relaxation()) {
     emit_slip(emit);
@@ -320,8 +320,8 @@ void DriverWatch::look_for_slip(const Emit& emit) {
   busy_[kSlipping] = busy_[kHasPeak] = 0;
 }
 
-/// What begins before the driver has loaded its spring is the way from the start to an equilibrium,
-/// and the swings about it: no driver has pulled it there.
+/// A motion that begins before the driver has loaded its spring leads from the start to an
+/// equilibrium, with swings about it: no driver has pulled the point there.
 bool DriverWatch::is_relaxation() const {
   return (numbers_[kPeakTime] - numbers_[kFirstTime]) * speed_ < kLoadedPart * period_;
 }
@@ -339,7 +339,7 @@ bool DriverWatch::in_well(double& well) const {
   return std::abs(here - well) < kInner;
 }
 
-/// Where wells are not known: the point has passed from one to another at once.
+/// Whether the point has passed from one well to another at once, where wells are not known.
 bool DriverWatch::is_passage() const {
   const double size =
       way(numbers_[kPeakTime], numbers_[kPeakForce], numbers_[kLastFast], numbers_[kEndForce]);

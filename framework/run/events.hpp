@@ -11,8 +11,8 @@
 #include "framework/model/model.hpp"
 #include "framework/run/run.hpp"
 
-/// What happens in a run, seen from signals that are known at the ends of steps (and within long
-/// ones). Between them goes the polynomial through the last five, so that a moment is found to the
+/// Events in a run, seen from signals that are known at the ends of steps (and within long ones).
+/// Between them goes the polynomial through the last five, so that a moment is found to the
 /// fourth order in their distance and no step is altered.
 namespace tomlin {
 
@@ -41,14 +41,14 @@ class LastPoints {
   std::size_t count() const {
     return *added_ < static_cast<std::int64_t>(kMost) ? static_cast<std::size_t>(*added_) : kMost;
   }
-  /// Of the point `back` points ago, 0 being the last.
+  /// Time and value of the point `back` points ago, 0 being the last.
   double time(std::size_t back) const { return times_[place(back)]; }
   double value(std::size_t back) const { return values_[place(back)]; }
 
   double at(double time) const;
   double slope_at(double time) const;
-  /// Where the value, or the slope, passes `level` between two times; the nearer end when it does
-  /// not.
+  /// Returns when the value, or the slope, passes `level` between two times; the nearer end when it
+  /// does not.
   double when_value_is(double level, double from, double to) const;
   double when_slope_is(double level, double from, double to) const;
 
@@ -106,7 +106,7 @@ class DriverWatch {
   bool watches_slips() const { return period_ > 0.0; }
   /// Under noise only of a point that has wells.
   bool finds_slips() const { return watches_slips() && (!noisy_ || busy_[kWells] == kKnownWells); }
-  /// Of the pull: its force over the displacement of the pulled point along it.
+  /// Stiffness of the pull: its force over the displacement of the pulled point along it.
   double stiffness() const { return stiffness_; }
   /// By axis, where the springs of an oblique pull differ: stiffness() over theirs. Forces with
   /// these factors have the component along the pull that is stiffness() times the stretch along
@@ -118,7 +118,7 @@ class DriverWatch {
   double highest_peak() const { return numbers_[kHighest]; }
   void attach(double* reals, std::int64_t* integers);
   void start();
-  /// What was going on is over; wells are not counted any more.
+  /// Ends what was going on; wells are not counted any more.
   void restart() { start(); }
   /// Its driver has turned round: what was going on is over, and wells are counted along the new
   /// direction.
@@ -151,7 +151,7 @@ class DriverWatch {
   void add(double time, double force, const Emit& emit, const Heat& heat) {
     add(time, force, force, emit, heat);
   }
-  /// Where there are factors: the force with them, then the force itself.
+  /// Takes the force with the factors, where there are any, then the force itself.
   void add(double time, double force, double along, const Emit& emit, const Heat& heat) {
     const bool known = force_.count() >= 2;
     const double rise = known ? force - force_.value(0) : 0.0;
@@ -179,7 +179,7 @@ class DriverWatch {
     if (sticks && is_idle()) return;
     if (known) look(emit, heat);
   }
-  /// The same for a block of points.
+  /// Adds the points of a block one by one.
   void add_block(const double* times, const double* forces, std::size_t count, const Emit& emit,
                  const Heat& heat) {
     for (std::size_t n = sticking(times, forces, count); n < count; ++n) {
@@ -190,7 +190,7 @@ class DriverWatch {
   void finish(double time, const Emit& emit);
 
  private:
-  /// Of what the driver pulls, that the force rises by far from its maximum.
+  /// Far from its maximum the force rises by more than this part of what the driver pulls.
   static constexpr double kFirmly = 0.5;
   /// Values of busy_[kWells].
   static constexpr std::int64_t kNoWells = 0;
@@ -328,7 +328,7 @@ class BodyWatch {
   std::int64_t* busy_ = nullptr;
 };
 
-/// What a list of watches keeps in the run's state, in fields of this name.
+/// Declares what a list of watches keeps in the run's state, in fields of this name.
 template <class Watch>
 void declare_watches(StateLayout& layout, const std::string& name,
                      const std::vector<Watch>& watches) {

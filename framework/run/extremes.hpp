@@ -19,8 +19,8 @@ class Extremes {
 
   /// Values at a time; those outside [from, to] only serve as neighbours.
   void add(double time, const double* values, bool inside);
-  /// The same for a block of `count` points at equal distances, [point][signal]; the window begins
-  /// and ends outside of it.
+  /// Adds a block of `count` points at equal distances, [point][signal]; the window begins and ends
+  /// outside of it.
   void add_block(const double* times, const double* values, std::size_t count, bool inside);
   /// Values that no step ends on: at the window's edges, at peaks within a step.
   void include(const double* values);
@@ -61,7 +61,7 @@ class StaticForces {
   }
   /// The signal has slipped.
   void settle(std::size_t signal);
-  /// Likewise, and this was its largest value before: what came later, until it was known, is none.
+  /// The signal has slipped after this largest value: later ones, until it was known, do not count.
   void settle(std::size_t signal, double value);
   bool any_open() const { return *open_ > 0; }
   bool open(std::size_t signal) const { return settled_[signal] == 0; }

@@ -18,7 +18,7 @@ void FixedGrid::advance(std::uint64_t most) {
   const RunPlan& plan = run_.plan;
   const DoubleDouble into = into_step();
   if (run_.clock.grid_steps() == plan.whole_steps) {
-    // What remains is shorter than a step, or nothing.
+    // The rest of the run is shorter than a step, or nothing.
     const double rest = static_cast<double>(DoubleDouble(plan.duration) - run_.clock.now());
     if (rest <= kNoStep * plan.dt && (run_.clock.steps() > 0 || rest <= 0.0)) {
       run_.outcome.ended = true;
@@ -65,7 +65,7 @@ std::int64_t FixedGrid::steps_for_lanes() {
   return std::min(plain_left_ / kBlock, blocks_before(parts_.observation.idle_until())) * kBlock;
 }
 
-/// As many as end before that time, but one at least.
+/// Returns the number of blocks that end before that time, but one at least.
 std::int64_t FixedGrid::blocks_before(double time) const {
   const double dt = run_.plan.dt;
   const std::int64_t taken = run_.clock.grid_steps();
@@ -100,7 +100,7 @@ void FixedGrid::take_one(const Step& step) {
   take(step);
 }
 
-/// Of the step of the grid that the run is in or before; the last one ends with the run.
+/// End of the step of the grid that the run is in or before; the last one ends with the run.
 DoubleDouble FixedGrid::end_of_step() const {
   const RunPlan& plan = run_.plan;
   const DoubleDouble end = two_prod(static_cast<double>(run_.clock.grid_steps() + 1), plan.dt);
@@ -147,7 +147,7 @@ void FixedGrid::take_block(std::int64_t most) {
   parts_.housekeeping.after_block();
 }
 
-/// Of a single point, which stays in registers.
+/// Takes the steps of a single point, which stays in registers.
 std::int64_t FixedGrid::point_block(std::int64_t most, StepFault& fault) {
   run_.since_anchor();
   const std::int64_t grid = run_.clock.grid_steps();

@@ -111,15 +111,15 @@ void Housekeeping::disturb() {
   run_.integrator->forces_changed();
 }
 
-/// What was computed ahead is computed again by whoever resumes from these numbers.
+/// A run that resumes from these numbers computes again what was computed ahead.
 void Housekeeping::keep_checkpoint() {
   if (run_.options.sink == nullptr) return;
   run_.clock.keep_cost(run_.model.system(), run_.integrator->evaluations_ahead());
   run_.options.sink->checkpoint(run_.state);
 }
 
-/// What a run that ends on a condition, and a path of equilibria, know at their end is not all in
-/// the numbers: they go on from the checkpoint before.
+/// The numbers do not hold all that a run that ends on a condition, and a path of equilibria, know
+/// at their end: such runs resume from the checkpoint before.
 bool Housekeeping::has_more_than_numbers() const {
   return run_.path != nullptr || run_.scene->run.until.has_value();
 }

@@ -10,8 +10,8 @@
 
 namespace tomlin {
 
-/// What is done between blocks of steps: the origin follows, rotations are looked at, noise is
-/// added, progress is told, checkpoints are kept, and a run that is asked to stop does.
+/// Work between blocks of steps: the origin follows, rotations are looked at, noise is added,
+/// progress is reported, checkpoints are kept, and a run that is asked to stop does.
 class Housekeeping {
  public:
   Housekeeping(RunContext& run, Observation& observation);
@@ -37,8 +37,8 @@ class Housekeeping {
   /// The last step was left before all of its samples were served: there is no checkpoint of it.
   void stop_within_step();
   void keep_checkpoint();
-  /// Where runs follow whose results this one's is compared with, it need not be repeated when
-  /// those are stopped.
+  /// Keeps the end where runs follow whose results are compared with this one's: this run need not
+  /// be repeated when those are stopped.
   void keep_end();
 
   double seconds() const;

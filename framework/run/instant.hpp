@@ -18,7 +18,7 @@ class Instant {
   /// say where it was written.
   Instant(const Model& model, std::string_view path, const std::string& key, const Place& place);
 
-  /// What there is at a moment. Rates are read where needs_rates() says so.
+  /// The state at a moment. Rates are read where needs_rates() says so.
   struct State {
     DoubleDouble time;
     const double* position = nullptr;

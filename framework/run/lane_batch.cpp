@@ -203,7 +203,7 @@ void LaneBatch::follow_time() {
   }
 }
 
-/// Of one block; returns how many there were before one failed.
+/// Takes the steps of one block; returns how many there were before one failed.
 std::int64_t LaneBatch::take_steps() {
   std::uint64_t& evaluations = system_.system().evaluations;
   for (std::size_t taken = 0; taken < kBlockSteps; ++taken) {
@@ -244,7 +244,7 @@ void LaneBatch::keep_rates(std::size_t step) {
   std::copy_n(integrator_->first_rates(), rates, rows_.rates + step * rates);
 }
 
-/// Of the block, so many of which have been taken.
+/// Shows the steps of the block to a run; `count` of them have been taken.
 void LaneBatch::show_steps(std::size_t k, std::size_t count) {
   const std::size_t w = system_.width();
   Engine& run = *lanes_[k].run;

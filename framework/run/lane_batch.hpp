@@ -26,7 +26,7 @@ std::string why_not_in_lanes(const Model& model);
 /// Adaptive steps are anchored each at its start; an attempt is refused or accepted by each lane.
 class LaneBatch {
  public:
-  /// Of runs like this one, which is no part of it and outlives it; at most so many at a time.
+  /// Takes runs like `like`, which is no part of it and outlives it; at most `most` at a time.
   LaneBatch(Engine& like, std::size_t most);
 
   bool fits(Engine& run) const;
@@ -61,7 +61,7 @@ class LaneBatch {
     bool within_step = false;       ///< an attempt was refused
     unsigned attempted = 0;         ///< evaluations of this step
     DoubleDouble now;
-    // Of adaptive steps.
+    // Only adaptive steps use this.
     double due = 0.0;  ///< they end before this time
   };
 
@@ -83,7 +83,7 @@ class LaneBatch {
   LaneSystem system_;
   std::unique_ptr<Integrator<double>> integrator_;  ///< of fixed steps
   LaneBlock lane_block_ = nullptr;                  ///< takes a block of them in registers
-  // Of single particles on a line: a block of steps, and those of one run.
+  // Single particles on a line: a block of steps, and the steps of one run.
   AlignedVector<double> row_memory_;
   LaneRows rows_;
   AlignedVector<double> shown_;

@@ -16,7 +16,7 @@
 namespace tomlin {
 namespace {
 
-/// Of one very long step, before a signal is heard.
+/// A signal is checked for after this many samples of one very long step.
 constexpr std::uint64_t kSamplesBetweenLooks = 100'000;
 
 /// Families of results, in the order of a summary.
@@ -235,7 +235,7 @@ void Observation::look_between(double from, double to) {
   for (int k = 1; k <= 3; ++k) {
     span_.times[k] = from + (to - from) * k / 3.0;
     if (span_.read_dense(k / 3.0, span_.times[k], span_.at[k])) continue;
-    // As a step of the grid.
+    // Without dense output the step is shown as one of the grid.
     end_step();
     end_block();
     return;

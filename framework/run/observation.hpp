@@ -57,7 +57,7 @@ class Observation {
   void look_now_and_then();
   /// Every kBlock steps of the grid.
   void look_at_block_end();
-  /// What is before this time, see RunObserver; infinite where ends of blocks are not looked at.
+  /// Ends of blocks before this time may be left out, see RunObserver; infinite: all of them.
   double idle_until() const;
 
   /// The next sample or edge of the window.

@@ -19,10 +19,10 @@
 #include "framework/run/signals.hpp"
 #include "framework/run/window.hpp"
 
-/// What looks on while a run goes along, and fills the rows of its results.
+/// Observers of a run, which fill the rows of its results.
 namespace tomlin {
 
-/// What observers share.
+/// Parts of a run that observers share.
 struct ObserverParts {
   RunContext& run;
   const Signals& signals;
@@ -74,7 +74,7 @@ struct RunMoment {
   const double* signals = nullptr;  ///< null at nodes
 };
 
-/// What an observer looks at between the edges of the window.
+/// The calls that an observer needs between the edges of the window.
 struct ObserverNeeds {
   bool signals = false;    ///< steps() and span()
   bool each_step = false;  ///< steps() after every step, not after a block of them
@@ -134,7 +134,7 @@ class RunObserver {
   /// Every thousand steps; the same ones in a run that is resumed.
   virtual void look_now_and_then() {}
 
-  /// Where the run stops, also when it has failed or was interrupted.
+  /// The run stops; it may have failed or been interrupted.
   virtual void stopped(const RunMoment& end) { (void)end; }
   /// The run has come to its end: one more moment, and then what is going on there counts as far as
   /// it got.
@@ -176,7 +176,7 @@ struct ObserverKind {
   std::unique_ptr<RunObserver> (*make)(const ObserverParts& parts) = nullptr;
 };
 
-/// Of a kind that every scene has something for.
+/// Returns a kind that every scene has something for.
 template <class Observer>
 ObserverKind kind_of(const std::vector<ObserverRows>& rows) {
   return {.rows = rows, .make = [](const ObserverParts& parts) -> std::unique_ptr<RunObserver> {

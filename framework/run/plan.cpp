@@ -23,7 +23,7 @@ constexpr double kWindowSlack = 1e-9;
 
 /// Weeks of the simplest scene.
 constexpr double kMostSteps = 1e14;
-/// Of them the fastest scene takes so many a second.
+/// The fastest scene takes so many steps a second.
 constexpr double kFastestSteps = 1e8;
 constexpr double kSecondsOfADay = 86400.0;
 /// A table of a hundred terabytes.
@@ -54,7 +54,7 @@ void refuse_endless(const Scene& scene, const RunPlan& plan) {
   }
 }
 
-/// Of the grid: as many as end within the run, but for rounding.
+/// Returns the number of steps of the grid that end within the run, but for rounding.
 std::int64_t whole_steps(double dt, double duration) {
   auto steps = static_cast<std::int64_t>(duration / dt);
   const auto remains = [&](std::int64_t count) {
@@ -103,7 +103,7 @@ const Drive& counted_driver(const Model& model) {
   return *candidates.front();
 }
 
-/// What the forces of a scene declare along the way of a driver.
+/// Periods that the forces of a scene declare along the displacement of a driver.
 struct PassedPeriod {
   double length = 0.0;  ///< 0: none
   double speed = 0.0;   ///< of the driver along that axis

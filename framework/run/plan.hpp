@@ -6,7 +6,7 @@
 
 #include "framework/model/model.hpp"
 
-/// What a run is going to do, in times: resolved from the scene before the first step.
+/// The plan of a run, in times: resolved from the scene before the first step.
 namespace tomlin {
 
 /// Steps in a block, after which the origin, rotations and signals are looked at. A particle moves
@@ -30,8 +30,8 @@ RunPlan plan_run(const Model& model);
 
 /// Returns the speed of a support.
 double speed_of(const Drive& drive);
-/// Of it along the axes on which a spring acts, which is the pull: motion along others pulls
-/// nothing. Without a spring on any axis that it moves along, the same.
+/// Returns its speed along the axes on which a spring acts, which is the pull: motion along others
+/// pulls nothing. Without a spring on any axis that it moves along, it is that of the support.
 double pull_speed_of(const Drive& drive);
 /// Whether it is a driver of steady velocity that is not zero.
 bool drags(const Drive& drive);
@@ -43,7 +43,7 @@ std::optional<double> time_of_period(const Model& model, const Drive& drive);
 /// The times that means are taken over, for their statistical errors: a period of the first driver
 /// that has one, where a window of this length has enough of them, else a block of steps.
 double part_of_window(const Model& model, double dt, double length);
-/// What a spring pulls; nothing for a prescribed body.
+/// Returns the body that a spring pulls; nothing for a prescribed body.
 std::optional<std::size_t> body_pulled_by(const Model& model, const Model::Driver& driver);
 
 }  // namespace tomlin

@@ -16,15 +16,15 @@ double prescribed_kinetic_energy(const Model& model, double time);
 /// Whether a driver is a prescribed body with inertia whose velocity changes.
 bool is_accelerated(const Model& model, const Model::Driver& driver);
 
-/// What running integrals of a driver lack to the integrals of its force on each axis and of its
-/// power between two times, `gained` being the integrals' own changes: a scheme's sums over
+/// Returns what a driver's running integrals lack to the integrals of its force on each axis and of
+/// its power between two times, `gained` being the integrals' own changes: a scheme's sums over
 /// accelerations in place of changes of momentum and energy, which are exact and see jumps. Zeros
 /// for a driver that is no accelerated body.
 std::vector<double> inertia_lacking(const Model& model, const Model::Driver& driver,
                                     const double* from_integrals, const double* to_integrals,
                                     double from, double to);
 
-/// The same over the window.
+/// Returns inertia_lacking() over the window.
 std::vector<double> inertia_lacking_in(const Model& model, const Model::Driver& driver,
                                        const MeasureWindow& window);
 

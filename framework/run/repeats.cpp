@@ -32,7 +32,7 @@ struct Repeated {
     for (const double x : numbers) sum += x;
     return sum / static_cast<double>(numbers.size());
   }
-  /// Of the mean; nothing of a single number.
+  /// Standard error of the mean; nothing for a single number.
   std::optional<double> error() const {
     if (numbers.size() < 2) return std::nullopt;
     const double middle = mean();
@@ -81,7 +81,7 @@ std::int64_t stream_of_repeat(std::int64_t stream, std::int64_t repeat) {
   return -(stream * kMostRepeats + repeat);
 }
 
-/// Those from `first` on that run together.
+/// Returns the repeats from `first` on that run together.
 Repeats next_repeats(const std::shared_ptr<const Scene>& scene, const RunOptions& options,
                      std::int64_t first) {
   Repeats runs;

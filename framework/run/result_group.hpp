@@ -14,11 +14,11 @@
 #include "framework/core/records/unit_system.hpp"
 #include "framework/core/text/words.hpp"
 
-/// What a run reports, declared once: a quantity is a row, and summary.json, dotted observables,
+/// Results of a run, declared once: a quantity is a row, and summary.json, dotted observables,
 /// the reference page of results and the summary's JSON Schema walk the rows.
 namespace tomlin {
 
-/// What a quantity is taken of.
+/// The part of a run that a quantity describes.
 enum class Scope {
   window,  ///< the time between [measure] from and to; undefined when the run does not reach its
            ///< end
@@ -55,7 +55,7 @@ struct ResultQuantity {
 
 /// "force", "length/time", "rad", "1".
 std::string unit_of(const ResultQuantity& quantity);
-/// As tables have it: "force", "energy", "length/time", "rad"; in metal units "eV/A".
+/// The unit in tables: "force", "energy", "length/time", "rad"; in metal units "eV/A".
 std::string unit_in_tables(UnitSystem units, const ResultQuantity& quantity);
 
 /// The value of a quantity. Numbers that are not finite are null in files.
@@ -74,7 +74,7 @@ class ResultValue {
 
   bool has_value() const { return defined_; }
   explicit operator bool() const { return defined_; }
-  /// Of a number or a count. Throws std::bad_optional_access where it is undefined.
+  /// The value of a number or a count. Throws std::bad_optional_access where it is undefined.
   double value() const;
   double operator*() const { return value(); }
   double value_or(double otherwise) const { return defined_ ? numbers_[0] : otherwise; }
@@ -95,7 +95,7 @@ class ResultValue {
   friend bool operator==(const ResultValue& a, const ResultValue& b) {
     return a.defined_ == b.defined_ && a.count_ == b.count_ && a.numbers_ == b.numbers_;
   }
-  /// Of a number or a count.
+  /// Compares a number or a count.
   friend bool operator==(const ResultValue& a, double b) {
     return a.defined_ && a.numbers_[0] == b;
   }

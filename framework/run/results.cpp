@@ -6,7 +6,7 @@
 #include "framework/core/text/axis_names.hpp"
 #include "framework/run/observer.hpp"
 
-/// What a run reports: rows of observers, and those of the run itself.
+/// Results of a run: rows of observers, and those of the run itself.
 namespace tomlin {
 namespace {
 

@@ -16,7 +16,7 @@ class Rotations {
   explicit Rotations(const Model& model) : model_(model) {}
   void declare(StateLayout& layout) const;
   void attach(RunState& state);
-  /// Of a run that begins.
+  /// Begins a run.
   void start() { *steps_between_looks_ = 1; }
 
   /// In turns, unwrapped.

@@ -106,7 +106,7 @@ struct RunResult {
   std::uint64_t jacobian_columns = 0;  ///< each worth an evaluation of all forces
   double window_from = 0.0;
   double window_to = 0.0;
-  /// What was measured: of each driver, each body, each observer, of events and, where the scene
+  /// Measured results: of each driver, each body, each observer, of events and, where the scene
   /// asks for them, of the energy and the equilibrium that a quasistatic run ends in.
   std::vector<ResultGroup> groups;
   std::optional<SteadyResult> steady;           ///< with `[run] until` and `steady`
@@ -149,7 +149,7 @@ struct TrajectoryBody {
   std::vector<std::int32_t> species = {};  ///< [particle], indices of names; empty: it has none
 };
 
-/// What a run will send to its sink.
+/// Layout of the data that a run will send to its sink.
 struct RunLayout {
   std::vector<SampleColumn> columns;      ///< of the table; empty: no samples come
   std::vector<TrajectoryBody> bodies;     ///< with `[output] trajectory`; empty: no positions come
@@ -230,9 +230,9 @@ class RunSink {
 class RunStore {
  public:
   virtual ~RunStore() = default;
-  /// What was kept last under this name; empty when there is nothing.
+  /// Returns the bytes kept last under this name; empty when there are none.
   virtual std::vector<std::byte> kept(const std::string& name) const = 0;
-  /// What cannot be kept is computed again.
+  /// Keeps bytes under this name. The run computes again whatever cannot be kept.
   virtual void keep(const std::string& name, std::vector<std::byte> bytes) = 0;
 
  protected:
@@ -262,9 +262,9 @@ struct RunOptions {
   std::vector<std::string> observables = {};
   bool all_observables = false;              ///< whatever was asked for
   std::optional<Perturbation> perturbation;  ///< noise on the start; see also `[run] perturb`
-  /// Where to start in place of the scene's start: where another run has ended. Time and integrals
-  /// count from 0. Throws InputError where that was of a scene that has not the same parts. A run
-  /// that resumes is given the same.
+  /// The final state of another run, to start from in place of the scene's start. Time and
+  /// integrals count from 0. Throws InputError where that run's scene has not the same parts. A
+  /// run that resumes is given the same.
   const FinalState* start_from = nullptr;
   FinalState* final_state = nullptr;  ///< filled where the run finishes
   /// The bytes of a checkpoint of the same scene: go on from there. Throws std::invalid_argument

@@ -29,7 +29,7 @@ class Selection {
   std::vector<std::string> paths_;
 };
 
-/// What a run is asked for, by whoever runs it or by the scene, and what it needs itself.
+/// Returns what is asked of a run, by whoever runs it or by the scene, and what it needs itself.
 Selection selection_of(const Scene& scene, const RunOptions& options);
 
 }  // namespace tomlin

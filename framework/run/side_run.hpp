@@ -17,7 +17,7 @@ class Engine;
 RunResult side_run(const std::shared_ptr<const Scene>& scene, RunOptions options,
                    const std::string& name);
 
-/// The same for whoever takes its steps, in a batch of several.
+/// A side run whose owner takes its steps, in a batch of several.
 class SideRun {
  public:
   SideRun(const std::shared_ptr<const Scene>& scene, RunOptions options, std::string name);

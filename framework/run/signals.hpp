@@ -32,7 +32,7 @@ class Signals {
   /// Writes the speeds of bodies among `signals`, from velocities at a time.
   void write_speeds(const double* velocity, double time, double* signals) const;
 
-  /// Of a driver, its velocity at the start of the run times its force.
+  /// Power of a driver: its velocity at the start of the run times its force.
   double power(std::size_t driver, const double* signals) const {
     double power = 0.0;
     for (std::size_t s = driver * axes_; s < (driver + 1) * axes_; ++s) {
@@ -63,7 +63,7 @@ struct SignalBlock {
   const double* times = nullptr;
   const double* signals = nullptr;  ///< [step][signal]
   std::size_t width = 0;            ///< signals of one step
-  // Of a single point on a line also its states and all rates.
+  // States and all rates are given only for a single point on a line.
   const double* positions = nullptr;
   const double* velocities = nullptr;
   const double* rates = nullptr;  ///< [step][rate]
@@ -71,7 +71,7 @@ struct SignalBlock {
 
   const double* at(std::size_t step) const { return signals + step * width; }
   bool has_states() const { return positions != nullptr; }
-  /// Of one step.
+  /// Returns the block of one step.
   SignalBlock step(std::size_t k) const {
     SignalBlock one = *this;
     one.count = 1;

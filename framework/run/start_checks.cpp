@@ -22,7 +22,7 @@ namespace {
 constexpr const char* kIntegratorKey = "run.integrator";
 constexpr const char* kStepKey = "run.integrator.dt";
 
-/// What the checks look at, and what they have found.
+/// The scene under check, and the findings.
 struct Check {
   Model& model;
   const RunPlan& plan;
@@ -31,7 +31,7 @@ struct Check {
   StartFindings found = {};
 };
 
-/// Of a body's particles, from its centre.
+/// Largest distance of a body's particles from its centre.
 double reach_of(const Model::Body& body) {
   double reach = 0.0;
   for (const std::array<double, 3>& arm : body.arms) {
@@ -70,7 +70,7 @@ void fail(FaultCode code, Check& check, const std::string& body, std::string wha
 /// Parts of a length that has to be seen: what is coarser is warned of, or refused.
 constexpr double kCoarsePlaces = 1e-9;
 constexpr double kFewPlaces = 100.0;  // of a short number type
-// The same in the scene's length (natural_units.hpp), where no period or bond is along an axis.
+// Parts of the scene's length (natural_units.hpp), where no period or bond is along an axis.
 constexpr double kCoarseUnits = 1e-6;
 constexpr double kFewUnits = 1000.0;
 constexpr double kUselessPlaces = 1e-3;
@@ -78,14 +78,14 @@ constexpr double kUselessPlaces = 1e-3;
 /// period is the way from a well to the next barrier: a step may end in any well.
 constexpr double kCoarseTolerance = 1e-2;
 constexpr double kUselessTolerance = 0.5;
-/// Of a driver's force by that of places, as a part of what substrate and drag have at most.
+/// Error of a driver's force by that of positions, over the largest force of substrate and drag.
 constexpr double kCoarseForce = 1e-2;
 /// Relative error of the drag, and so of a mean force, by the scheme alone.
 constexpr double kCoarseDrag = 1e-2;
 constexpr double kUselessDrag = 1e-1;
 /// Relative error of a mean by the rounding of the integral that it is a difference of.
 constexpr double kCoarseMean = 1e-6;
-/// Of what changes with time by itself, by steps that do not see it.
+/// Part of a change with time that steps may miss without a warning.
 constexpr double kMissedChange = 1e-2;
 /// Steps that a scheme takes in seconds.
 constexpr double kSoonTaken = 1e6;
@@ -159,9 +159,9 @@ void warn_of_unused_integrator(Check& check) {
        kIntegratorKey});
 }
 
-/// Where nothing is free there is no error for an adaptive scheme to control, yet forces on what is
-/// prescribed change along its way: parts of a period, or of the run where there is none. Schemes
-/// that follow equilibria do not look at the errors of prescribed motions either.
+/// An adaptive scheme has no error to control where nothing is free, yet forces on prescribed
+/// bodies change as these move: steps are parts of a period, or of the run where there is none.
+/// Schemes that follow equilibria do not look at the errors of prescribed motions either.
 void bound_unwatched_steps(Check& check) {
   const SystemView<double>& view = check.model.system().view;
   const bool watched =
@@ -286,9 +286,9 @@ void check_places(Check& check) {
   }
 }
 
-/// What changes with time by itself has a time scale: a fixed step that does not resolve it is
+/// Changes with time by itself have a time scale: a fixed step that does not resolve it is
 /// warned of, and that of an adaptive scheme, whose error estimate may step over a pulse, bounded
-/// by it. What moves as prescribed may no more jump over a period in a step than what is free.
+/// by it. A prescribed body may no more jump over a period in a step than a free one.
 void check_ways(Check& check) {
   for (const TimeDependence& change : time_dependences(check.model)) {
     const double longest = resolving_step(change, kMissedChange, check.plan.duration);
@@ -520,9 +520,9 @@ void warn_of_short_window(Check& check) {
                      window / check.plan.window_to, rounding),
          "measure"});
   }
-  // Where the window ends is not known yet.
+  // The end of the window is not known yet.
   if (check.scene.run.until) return;
-  // Of several drivers of different speeds one decides.
+  // One of several drivers of different speeds decides.
   std::vector<DriverWindow> windows;
   bool whole = false;
   for (std::size_t k = 0; k < check.model.drivers().size(); ++k) {
@@ -558,7 +558,7 @@ StartFindings check_start(Model& model, const RunPlan& plan, bool checks_step) {
   warn_of_idle_velocities(check);
   warn_of_unused_integrator(check);
   bound_unwatched_steps(check);
-  // What a run until it is steady waits for is looked at once a period.
+  // A run until it is steady checks once a period whether it is.
   if (plan.period > 0.0) {
     check.found.longest_step = std::min(check.found.longest_step, plan.period);
   }

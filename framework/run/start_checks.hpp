@@ -15,7 +15,7 @@ struct StartFindings {
   std::vector<Warning> warnings;
   std::optional<RunFailure> failure;  ///< the first reason to take no step
   double stable_step = 0.0;  ///< of a fixed step: the stability limit, or less but beyond it
-  /// Of an adaptive scheme: the longest step whose error it does not estimate itself.
+  /// The longest step of an adaptive scheme whose error it does not estimate itself.
   double longest_step = std::numeric_limits<double>::infinity();
 };
 

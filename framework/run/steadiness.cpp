@@ -72,8 +72,8 @@ std::optional<double> Steadiness::distance(double slowest, double ahead) const {
     change[k] = std::abs(moved[k]);
   }
   const auto ratio = [](double now, double before) { return now == 0.0 ? 0.0 : now / before; };
-  // Where the means reverse, a change is small by chance: it is held to what the ones before
-  // foretell. Where changes shrink less than before, something slower has come to the fore; to and
+  // A change is small by chance where the means reverse: it is held to what the ones before
+  // foretell. Something slower has come to the fore where changes shrink less than before; to and
   // fro is no drift, as rounding leaves it.
   const double before = ratio(change[1], change[2]);
   const double last = std::max(change[0], change[1] * std::min(1.0, before));

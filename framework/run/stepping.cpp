@@ -37,7 +37,7 @@ bool Stepping::take(const Step& step) {
   const DoubleDouble begin = run_.clock.now();
   const bool waits = step.may_split && parts_.triggers.waiting();
   const double due = observation.next_due();
-  // What falls on the end of a fixed step needs no interpolation.
+  // Samples and edges at the end of a fixed step need no interpolation.
   const bool dense = adaptive || waits || due < static_cast<double>(step.end) ||
                      observation.looks_within_steps() || is_looked_into();
   const bool may_be_taken_again = parts_.uncontrolled.any();
@@ -123,7 +123,7 @@ Stepping::Step Stepping::up_to_switch(Step step) const {
   return step;
 }
 
-/// What has been found out about the next step was of other forces.
+/// Switches forces: the integrator's findings about the next step were of the forces before.
 void Stepping::switch_forces() {
   const double latest = run_.clock.time() + kNoStep * run_.plan.dt;
   for (const std::string& force : run_.model.switch_forces(run_.clock.now(), latest)) {

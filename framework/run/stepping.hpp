@@ -15,7 +15,7 @@
 /// equilibria.
 namespace tomlin {
 
-/// What the steps of a run share.
+/// Parts of a run that its steps share.
 struct StepParts {
   RunContext& run;
   Observation& observation;

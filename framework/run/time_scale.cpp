@@ -24,7 +24,7 @@ constexpr std::size_t kMostTimes = 1 << 14;
 /// From the start of a scene to where forces are looked at once more, in largest moves (a period,
 /// half a bond): formulas are often zero where a scene starts.
 constexpr double kAside = 0.23;
-/// Of a value, that it changes by through rounding.
+/// Changes below this part of a value are rounding.
 constexpr double kNoChange = 1e-12;
 /// A value that comes back through its middle as often swings; else it goes from one to another,
 /// and has arrived within this part of its range.
@@ -107,7 +107,7 @@ class TimedForce {
   AlignedVector<double> velocity_, force_on_, mapped_force_, rates_;
 };
 
-/// What Simpson's rule on a step's two ends and middle gives beside that on all its parts.
+/// Difference of Simpson's rule on a step's two ends and middle from that on all its parts.
 struct Missed {
   double most = 0.0;    ///< that a step has
   double missed = 0.0;  ///< of one

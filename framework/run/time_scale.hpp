@@ -7,9 +7,9 @@
 
 #include "framework/model/model.hpp"
 
-/// What changes with time by itself has a time scale, which steps have to resolve: energies and
-/// forces with a time in their formula, motions that are prescribed. Drivers of steady velocity
-/// change in proportion to time and are none of them.
+/// Changes with time have a time scale, which steps have to resolve: those of energies and
+/// forces with a time in their formula, and of motions that are prescribed. Drivers of steady
+/// velocity change in proportion to time and are none of them.
 namespace tomlin {
 
 struct TimeDependence {
@@ -21,8 +21,8 @@ struct TimeDependence {
   std::function<void(double time, double* value)> at;
 };
 
-/// Those of a scene, at its start. They refer to the model, whose clock they move: anchor it anew
-/// afterwards.
+/// Time dependences of a scene, at its start. They refer to the model, whose clock they move:
+/// anchor it anew afterwards.
 std::vector<TimeDependence> time_dependences(Model& model);
 
 /// The mean time of its cycles in a run, or the time at which it has settled where it has none.

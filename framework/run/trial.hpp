@@ -10,7 +10,7 @@
 
 namespace tomlin {
 
-/// What a few steps tell about a whole run.
+/// Estimates for a whole run, made from a few steps.
 struct Trial {
   double stable_step = 0.0;          ///< of a fixed-step scheme; infinite where nothing limits it
   bool step_is_stable = true;        ///< false: the scene's step is longer; no step is taken then
@@ -28,7 +28,7 @@ struct Trial {
 Trial try_out(const std::shared_ptr<const Scene>& scene, double seconds,
               InstructionSet set = chosen_instruction_set());
 
-/// What a run of the scene would send to its sink; nothing where it would fail before its start.
+/// Layout of a run's data for its sink; nothing where the run would fail before its start.
 /// Throws InputError for everything that a run would refuse.
 std::optional<RunLayout> layout_of(const std::shared_ptr<const Scene>& scene);
 

@@ -77,8 +77,8 @@ void Triggers::read(const DoubleDouble& time, const double* position, const doub
   if (rates) run_.model.evaluate_at(time, position, velocity, integrals, rates_.data());
 }
 
-/// Of limits that count alternately the one that the driver moves away from comes second: a body
-/// that swings back through it would turn the driver round for good. -1: that is not known.
+/// The limit that the driver moves away from comes second, of limits that count alternately: a body
+/// that swings back through it would reverse the driver for good. -1: that is not known.
 int Triggers::side_behind(const Trigger& trigger) const {
   const Model::Force& force = force_of(trigger);
   const Passing& passing = *force.bound->waits_for();

@@ -19,7 +19,7 @@ class Triggers {
   Triggers(RunContext& run, const Rotations& rotations);
   void declare(StateLayout& layout) const;
   void attach(RunState& state);
-  /// What is beyond its value from the start has to come back before it can pass it.
+  /// A value that is beyond its limit at the start has to come back before it can pass it.
   void start();
 
   bool any() const { return !triggers_.empty(); }

@@ -12,7 +12,7 @@ namespace tomlin {
 /// observable changes no more from one to the next.
 class UntilSteady {
  public:
-  /// What the run has measured in the window that has just ended.
+  /// Returns the results in the window that has just ended.
   using Measured = std::function<RunResult()>;
   UntilSteady(RunContext& run, MeasureWindow& window) : run_(run), window_(window) {}
 

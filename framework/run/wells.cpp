@@ -11,7 +11,7 @@ namespace {
 /// Looks along a period, and times over the run for energies that change.
 constexpr int kLooks = 64;
 constexpr int kTimes = 8;
-/// Of the energy, that its differences are rounding.
+/// Differences of the energy below this part of it are rounding.
 constexpr double kRoundingOfEnergy = 1e-10;
 
 /// The only axis that a driver pulls along; -1: there is none.

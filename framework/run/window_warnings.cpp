@@ -10,12 +10,12 @@
 namespace tomlin {
 namespace {
 
-/// Of a driver's period within the window: less is not sliding.
+/// Displacement of a driver within the window in periods: less is not sliding.
 constexpr double kShortestSlide = 1e-2;
-/// What a part of a period too much or too little may be of the window: a mean over whole periods
-/// and one over this window differ by as much.
+/// A window may miss whole periods by this part of itself: a mean over whole periods and one over
+/// this window differ by as much.
 constexpr double kPartOfPeriod = 1e-3;
-/// Of the driver's way, by which the pulled body may be ahead or behind.
+/// Part of the driver's displacement by which the pulled body may be ahead or behind.
 constexpr double kLag = 0.1;
 /// In periods: a window that begins before a slip and ends after one is no better known.
 constexpr double kLagInPeriods = 1.0;

@@ -52,7 +52,7 @@ class Coefficients : public FrictionSink {
   std::vector<std::vector<double>> of_particle;
 };
 
-/// What time does to an energy is a driver's work, or heat that is taken out.
+/// Whether energies change with time: by a driver's work, or by heat that is taken out.
 bool time_goes_on(const ForceUnderTest& e) {
   const Traits& traits = e.traits();
   return traits.does_work || (traits.conservative && traits.depends_on_time);

@@ -4,10 +4,10 @@
 
 #include "framework/model/properties/slopes.hpp"
 
-/// What a record denies or declares and a single state cannot refute: that a force is no gradient,
-/// is not internal, depends on velocities or on time. Each is to be seen at one state at least; a
-/// scene in which none shows it (a driver at rest) has nothing to compare, and the conformance test
-/// asks for one that does.
+/// Declarations and denials of a record that a single state cannot refute: that a force is no
+/// gradient, is not internal, depends on velocities or on time. Each is to be seen at one state at
+/// least; a scene in which none shows it (a driver at rest) has nothing to compare, and the
+/// conformance test asks for one that does.
 namespace tomlin::properties {
 namespace {
 

@@ -3,7 +3,7 @@
 
 #include "framework/model/properties/force_under_test.hpp"
 
-/// Where a force must be a number.
+/// States in which a force must be a number.
 namespace tomlin::properties {
 /// Near the start there must be numbers. Far away, too, unless they, or numbers on the way to them,
 /// are too large to be written; another NaN there must be a NaN in quadruple precision as well (the

@@ -54,8 +54,8 @@ class FlowCheck {
     put(start_);
   }
 
-  /// The same bits from the same stage, whatever was asked before, and whether or not the heat is
-  /// asked for.
+  /// Expects the same bits from the same stage, whatever was asked before, and whether or not the
+  /// heat is asked for.
   void look_at_repetition() {
     FlowStage<double> other = at_;
     other.step = 8;
@@ -179,7 +179,7 @@ class FlowCheck {
       note_(found, 0.0, kRounding * largest(start_) * growth(h));
     }
   }
-  /// What the flow makes of rounding, at the start and later: more if it is not linear, and drives
+  /// Growth of rounding by the flow, at the start and later: more if it is not linear, and drives
   /// neighbours apart; the steps that a flow takes round, too.
   double growth(double h) const {
     constexpr double kShake = 0x1p-24;

@@ -33,7 +33,7 @@ namespace {
 
 /// Displacements, in parts of the shortest length: springs stay far from turning over.
 constexpr double kDisplacement = 0.1;
-/// The same for extreme states: far away, high above, almost touching.
+/// Displacements of extreme states in the same parts: far away, high above, almost touching.
 constexpr double kFar[] = {1e3, 1e6};
 constexpr double kHigh[] = {3.0, 10.0, 30.0};
 constexpr double kTouching[] = {1e-3, 1e-6};

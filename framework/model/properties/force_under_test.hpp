@@ -21,19 +21,19 @@ namespace tomlin::properties {
 
 /// A sum of some hundred terms loses some tens of units in the last place of its size.
 inline constexpr double kRounding = 64.0 * std::numeric_limits<double>::epsilon();
-/// The same of a sum over so many terms, each as large as the largest.
+/// Rounding of a sum over so many terms, each as large as the largest.
 inline double rounding_of_sum(std::size_t terms) {
   constexpr double kSomeHundred = 256.0;
   return kRounding * std::max(1.0, static_cast<double>(terms) / kSomeHundred);
 }
-/// The same of an energy in quadruple precision, of 113 bits.
+/// Rounding of an energy in quadruple precision, of 113 bits.
 inline constexpr double kExactRounding = 64.0 * 0x1p-112;
 /// Below it numbers have fewer digits, and 1/eps of them vanish.
 inline constexpr double kSmallest =
     std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
 inline constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
-/// The same numbers with every library: distributions of the standard library differ.
+/// Random numbers, the same with every library: distributions of the standard library differ.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}
@@ -48,7 +48,7 @@ class Random {
   std::mt19937_64 engine_;
 };
 
-/// Those that this machine can run.
+/// Instruction sets that this machine can run.
 std::vector<InstructionSet> supported_sets();
 
 enum class Place { start, near, far, high, contact };
@@ -90,7 +90,7 @@ class ForceUnderTest {
   /// So many pairs and particles that few states are looked at.
   bool takes_long() const;
 
-  /// The same force on this instruction set.
+  /// The force bound on this instruction set.
   std::unique_ptr<ForceTwin<double>> twin(InstructionSet set) const;
   std::unique_ptr<ForceTwin<double>> twin() const;
   /// In quadruple precision; null where it is not available.
@@ -100,7 +100,7 @@ class ForceUnderTest {
 
   /// Displaced ones, and last the start: where forces balance there, sizes are known by then.
   const std::vector<State>& near() const { return near_; }
-  /// Those and the extreme ones; few where evaluations take long.
+  /// The states of near() and the extreme ones; few where evaluations take long.
   std::vector<const State*> everywhere() const;
 
   void put(const State& state);
@@ -114,7 +114,7 @@ class ForceUnderTest {
     for (std::size_t k = 0; k < state.own.size(); ++k) twin.own(k) = Real(state.own[k]);
   }
 
-  /// Of each variable, at what was put.
+  /// Forces on each variable, at this state.
   std::vector<double> forces(const State& state);
   /// A rotation's as a force at the body's edge, so that all are alike.
   double at_edge(std::size_t i, double force) const { return force * variable(i).unit; }
@@ -128,7 +128,7 @@ class ForceUnderTest {
   /// rounding of inputs makes of it. Infinite where it leaves the finite numbers; where even a
   /// shake as small as rounding turns the force over, so much that everything is allowed.
   double sensitivity(const State& state);
-  /// The same of any other number, or of several, each by itself.
+  /// Change of any other number likewise, or of several, each by itself.
   double change_of(const State& state, const std::function<double(const State&)>& number);
   std::vector<double> changes_of(const State& state,
                                  const std::function<std::vector<double>(const State&)>& numbers);
@@ -150,7 +150,7 @@ class ForceUnderTest {
   void begin(const char* property, const char* meaning);
   PropertyResult end();
   void looked() { ++now_.states; }
-  /// What has to be seen somewhere was seen at this state.
+  /// Notes that something which has to be seen somewhere was seen at this state.
   void saw(const State& state);
   /// A contradiction within what is declared, which no state shows: `found` of something for `due`.
   void contradict(double found, double due);
@@ -164,7 +164,7 @@ class ForceUnderTest {
   void note_same(const std::vector<double>& found, const std::vector<double>& due,
                  const State& state);
   void note_same(double found, double due, const State& state);
-  /// The same of numbers that are no forces on variables.
+  /// Bits that must be the same, of numbers that are no forces on variables.
   void note_same_numbers(const std::vector<double>& found, const std::vector<double>& due,
                          const State& state);
   bool holds() const { return now_.holds; }
@@ -212,8 +212,8 @@ class ForceUnderTest {
   double strain_ = 0.0;  ///< the largest part of what is allowed
 };
 
-/// Of all forces of a scene together: each alone makes its part of the sum. Nothing where no force
-/// acts on what moves.
+/// Checks all forces of a scene together: each alone makes its part of the sum. Nothing where no
+/// force acts on what moves.
 std::optional<PropertyResult> sum_of_all(const Scene& scene, double length,
                                          const PropertyOptions& options);
 

@@ -13,7 +13,7 @@ constexpr std::size_t kMostSearched = 2000;
 /// Parts of the longest difference that are tried besides where two particles almost touch.
 constexpr double kAtContact[] = {1e-5, 1e-6};
 
-/// What rounding makes of an energy's difference, and the effort along the way.
+/// Rounding of an energy's difference, and the effort along the displacement.
 struct Scale {
   double rounding = 0.0;
   double effort = 0.0;

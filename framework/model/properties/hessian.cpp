@@ -10,7 +10,7 @@ namespace {
 /// Second derivatives in parts of the largest force over the longest difference: one at most for a
 /// wave, and some times that for terms of many partners that cancel.
 constexpr double kVisible = 100.0;
-/// Of the size of a slope: differences that have settled to this need not be shorter.
+/// Differences of a slope that have settled to this part of it need not be shorter.
 constexpr double kSharp = 1e-6;
 
 /// Second derivatives times a direction, along another: translations for bodies that move as one.

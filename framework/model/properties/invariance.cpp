@@ -3,16 +3,16 @@
 
 #include "framework/model/properties/force_under_test.hpp"
 
-/// What must not change a force: whole periods, where positions are counted from, what it does not
-/// depend on, and what was evaluated before.
+/// Changes that a force must not notice: whole periods, where positions are counted from, what it
+/// does not depend on, and what was evaluated before.
 namespace tomlin::properties {
 namespace {
 
 constexpr double kPeriods[] = {1.0, -1.0, 1000.0, -1e6};
 /// Cells by which an origin has moved after a long run.
 constexpr std::int64_t kCells[] = {5, -1000003};
-/// The same of whole periods: beyond 2^31 of them a phase has no digit left unless they are
-/// counted.
+/// Whole periods by which an origin has moved: beyond 2^31 of them a phase has no digit left unless
+/// they are counted.
 constexpr std::int64_t kWholeCells[] = {3, -7, 2000000011};
 
 /// Lengths per time that nothing else here comes near, where the shorter of a unit of time and the
@@ -39,7 +39,7 @@ State shifted(const ForceUnderTest& e, const State& state, int axis, double by) 
   return moved;
 }
 
-/// Of an axis; 0 where it declares none.
+/// Period along an axis; 0 where the force declares none.
 double period_of(ForceUnderTest& e, int axis) {
   return e.described().record->period(e.described().description.get(), axis);
 }
@@ -125,7 +125,7 @@ std::optional<PropertyResult> rebase(ForceUnderTest& e) {
   return e.end();
 }
 
-/// As the engine does it: the origin moves by whole cells, places are relative to the new one.
+/// Moves the origin as the engine does: by whole cells, and positions are relative to the new one.
 std::optional<PropertyResult> origin(ForceUnderTest& e) {
   if (e.on_prescribed()) return std::nullopt;
   e.begin("origin", "nothing changes when the origin moves, and all comes back with it");
@@ -153,7 +153,7 @@ std::optional<PropertyResult> origin(ForceUnderTest& e) {
             e.sensitivity(state) * std::max(1.0, e.reach(seen) / e.reach(state));
         twin->rebase(moved);
         const std::vector<double> after = forces_of(e, seen, *twin);
-        // Of a mean over many particles the sensitivity is too small by the root of their number:
+        // The sensitivity of a mean over many particles is too small by the root of their number:
         // the random changes that it is measured by cancel, the rounding of its sum does not.
         const double far = std::sqrt(static_cast<double>(e.count())) * steepness;
         const double rounding = kRounding * largest + rounding_of_sum(e.count()) * far;

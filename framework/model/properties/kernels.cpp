@@ -11,7 +11,7 @@
 namespace tomlin::properties {
 namespace {
 
-/// What is left before a kernel that sets: it must not matter.
+/// Content of arrays before a kernel that sets: it must not matter.
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 /// The numbers of forces that a pass writes, region by region.
@@ -28,7 +28,7 @@ class Written {
   void fill(double value) const {
     for_all([&](std::size_t at, bool) { from_[at] = value; });
   }
-  /// Of the particles, or of the centre with its rotation.
+  /// Numbers of the particles, or of the centre with its rotation.
   std::vector<double> numbers() const {
     std::vector<double> all;
     for_all([&](std::size_t at, bool padding) {

@@ -8,11 +8,11 @@
 
 #include "framework/model/properties/force_under_test.hpp"
 
-/// The same force on every instruction set and in every number type.
+/// Comparisons of one force on every instruction set and in every number type.
 namespace tomlin::properties {
 namespace {
 
-/// What one evaluation gives, as doubles: forces on the variables; the energy, heat, and the rates
+/// Results of one evaluation, as doubles: forces on the variables; the energy, heat, and the rates
 /// of internal variables and of what a driver reports.
 struct Outcome {
   std::vector<double> forces;
@@ -49,14 +49,14 @@ constexpr double kUnits = 64.0;
 /// third of a unit on average; the worst of many results is not far below that.
 constexpr double kFewestUnits = 0.05;
 
-/// What an energy changes by beside what a shake of all coordinates shows: particles of rigid
+/// Change of an energy beside that which a shake of all coordinates shows: particles of rigid
 /// bodies are rounded one by one, and at its minimum rounding counts in second order.
 double hidden_change(ForceUnderTest& e, const State& state, double sensitivity, double allowed) {
   const double second = allowed * sensitivity * static_cast<double>(e.count());
   return (e.terms(state).size + second) * e.reach(state);
 }
 
-/// What is no force on a variable: each number by itself.
+/// Compares numbers that are no forces on variables, each by itself.
 void compare_others(ForceUnderTest& e, ForceTwin<double>& twin, const Outcome& found,
                     const Outcome& due, const State& state, double sensitivity, double allowed,
                     double least) {
@@ -91,7 +91,7 @@ bool compare_with_exact(ForceUnderTest& e, ForceTwin<double>& twin, const State&
   const Outcome found = outcome_at(e, state, twin);
   const double sensitivity = e.sensitivity(state);
   const double size = e.largest(due.forces);
-  // What has no number is looked at as such elsewhere.
+  // Numbers that are not finite are checked elsewhere.
   if (!std::isfinite(sensitivity) || !std::isfinite(e.largest(found.forces))) return false;
   double unit = 1.0;
   for (std::size_t i = 0; i < e.count(); ++i) unit = std::max(unit, e.variable(i).unit);

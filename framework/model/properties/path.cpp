@@ -115,7 +115,7 @@ bool compare_along(ForceUnderTest& e, const Path& path, double from, double to) 
     (in_first ? to : from) = middle;
     now = in_first ? first : second;
   }
-  // What is left may be the rounding of what the force reads. It is looked for last: that takes
+  // The rest may be the rounding of what the force reads. It is looked for last: that takes
   // long, in quadruple precision.
   if (!now.holds()) {
     const double way = e.length() * static_cast<double>(e.count());

@@ -32,7 +32,7 @@ Quad power_of(ForceUnderTest& e, const ForceTwin<Quad>& twin, const State& state
   return power;
 }
 
-/// What goes into the stored energy by way of them.
+/// Power that goes into the stored energy by way of internal variables.
 Quad stored(ForceUnderTest& e, ForceTwin<Quad>& twin, const State& state) {
   if (state.own.empty()) return Quad(0.0);
   std::vector<Quad> rates;

@@ -7,7 +7,7 @@
 
 #include "framework/model/properties/force_under_test.hpp"
 
-/// What the rounding of inputs makes of a force: measured, by small changes of all that it reads.
+/// Effect of the rounding of inputs on a force: measured, by small changes of all that it reads.
 namespace tomlin::properties {
 namespace {
 
@@ -59,7 +59,7 @@ ForceUnderTest::Change ForceUnderTest::change_by(const State& state, double shak
   return most;
 }
 
-/// The same in quadruple precision, whose own rounding does not show in it.
+/// Change of the largest force in quadruple precision, whose own rounding does not show in it.
 double ForceUnderTest::exact_change(const State& state, double shake) {
   ForceTwin<Quad>& twin = *exact();
   const auto forces_at = [&](const State& from, Random* random) {

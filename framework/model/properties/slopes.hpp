@@ -140,7 +140,7 @@ inline constexpr double kTinyDifference = 1e-12;
 inline constexpr double kKinked = 0.75;
 inline constexpr double kApart = 1e-6;
 
-/// The same in quadruple precision, to all digits of a double and some more; unsettled where there
+/// A slope in quadruple precision, to all digits of a double and some more; unsettled where there
 /// is a kink.
 struct ExactSlope {
   Quad best;

@@ -74,7 +74,7 @@ void note_bound(ForceUnderTest& e, double curvature, double bound, const State& 
          kShort * bound + kRounding * found + kSmallest, state);
 }
 
-/// Of all particles, where a force gives second derivatives.
+/// Largest curvature of all particles, where a force gives second derivatives.
 struct LargestCurvature {
   double most = 0.0;
   std::array<double, 3> along{};
@@ -172,8 +172,8 @@ std::optional<PropertyResult> stiffness(ForceUnderTest& e) {
   return e.end();
 }
 
-/// Where a scene stays away from the largest curvature, as high above a substrate that decays,
-/// there is nothing to compare.
+/// There is nothing to compare where a scene stays away from the largest curvature, as high above a
+/// substrate that decays.
 std::optional<PropertyResult> tight(ForceUnderTest& e) {
   const double bound = e.bound().curvature_bound();
   if (!(bound > 0.0)) return std::nullopt;

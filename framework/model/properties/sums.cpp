@@ -4,7 +4,7 @@
 
 #include "framework/model/properties/force_under_test.hpp"
 
-/// What a force does to its bodies as a whole, and to nothing else.
+/// Effects of a force on its bodies as a whole, and on nothing else.
 namespace tomlin::properties {
 namespace {
 
@@ -192,7 +192,7 @@ std::optional<PropertyResult> its_own(ForceUnderTest& e) {
       const std::size_t at = e.variable(i).at;
       e.note_same(static_cast<double>(twin->position(at)), state.x[i], state);
       e.note_same(static_cast<double>(twin->velocity(at)), state.v[i], state);
-      // Of a rigid body it acts on either the particles or the centre.
+      // A force acts on either the particles or the centre of a rigid body.
       const bool rigid = e.alone().model().bodies()[e.variable(i).body].bound.slot.rigid;
       if (rigid) continue;
       const double size = kBackground + std::abs(forces[i]);

@@ -18,7 +18,7 @@ namespace tomlin::properties {
 namespace {
 
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
-/// Of a rotation, in turns.
+/// Largest change of a rotation, in revolutions.
 constexpr double kTurned = 0.05;
 /// Displacements in parts of a length.
 constexpr double kDisplacement = 0.1;
@@ -255,7 +255,7 @@ class Together {
       const auto first = alone->rates.begin() + static_cast<std::ptrdiff_t>(steered_);
       own_rates.insert(own_rates.end(), first, first + static_cast<std::ptrdiff_t>(count));
     }
-    // What has no number alone is looked at as such elsewhere.
+    // Numbers of single forces that are not finite are checked elsewhere.
     for (const double total : sum) {
       if (!std::isfinite(total)) return;
     }
@@ -292,7 +292,7 @@ class Together {
     }
   }
 
-  /// What some of the forces make of a number: a driver's is nothing where it is not among them.
+  /// Share of some of the forces in a number: a driver's is zero where it is not among them.
   static double part_of(const Bound& bound, const Number& number) {
     if (number.of == Number::Of::coordinate) return bound.view().force[number.at];
     for (const auto& driver : bound.assembly().drivers()) {
@@ -318,7 +318,7 @@ class Together {
     }
   }
 
-  /// Of a driver that is a prescribed body: what acts on its particles.
+  /// Shares of what acts on the particles of a driver that is a prescribed body.
   static double shares_of_driver(const Bound& alone, const std::string& name, std::size_t index) {
     for (std::size_t b = 0; b < alone.assembly().bodies().size(); ++b) {
       const auto& body = alone.assembly().bodies()[b];

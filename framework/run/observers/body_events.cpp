@@ -7,7 +7,7 @@
 namespace tomlin::observers {
 namespace {
 
-/// Where a body is, and how fast: height, and rotation in turns.
+/// Height of a body, its rotation in revolutions, and their rates.
 struct BodyReading {
   double height = 0.0;
   double rise = 0.0;
@@ -15,7 +15,7 @@ struct BodyReading {
   double spin = 0.0;
 };
 
-/// Of a step's length h, from values and slopes at its ends.
+/// Interpolates over a step of length h, from values and slopes at its ends.
 double hermite(double theta, double h, double y0, double slope0, double y1, double slope1) {
   const double rest = 1.0 - theta;
   const double change = y1 - y0;

@@ -1,7 +1,7 @@
 #include "framework/core/numbers/constants.hpp"
 #include "framework/run/observers/kinds.hpp"
 
-/// What bodies do within the window: turns, rolling, mean velocity.
+/// Motion of bodies within the window: revolutions, rolling, mean velocity.
 namespace tomlin::observers {
 namespace {
 

@@ -3,7 +3,7 @@
 #include "framework/core/numbers/constants.hpp"
 #include "framework/run/observers/kinds.hpp"
 
-/// Where a run ends: forces of drivers, places and velocities of bodies.
+/// State at the end of a run: forces of drivers, positions and velocities of bodies.
 namespace tomlin::observers {
 namespace {
 

@@ -71,7 +71,7 @@ void Equilibrium::at_equilibrium() {
   }
 }
 
-/// What the run ends in. Looking at it is no part of the run's cost.
+/// Reads off the equilibrium that the run ends in, which is no part of the run's cost.
 void Equilibrium::stopped(const RunMoment&) {
   RunContext& run = parts_.run;
   if (run.outcome.failure) return;

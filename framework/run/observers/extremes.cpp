@@ -49,7 +49,7 @@ class SignalExtremes : public RunObserver {
     }
   }
 
-  /// Of a step across an edge of the window only what lies within counts.
+  /// Counts only the part within the window of a step across an edge of it.
   void span(const SignalSpan& span) override {
     const MeasureWindow& window = parts_.window;
     if (!(span.to > window.from().time && span.from < window.to().time)) return;

@@ -89,7 +89,7 @@ class ForcesOnBodies : public RunObserver {
   }
 
  private:
-  /// Of each force, body and axis: the integral, high and low part, and the extremes.
+  /// Numbers by force, body and axis: the integral, high and low part, and the extremes.
   enum { kSum, kMost = 2, kLeast, kNumbers };
 
   ObserverParts parts_;

@@ -148,7 +148,7 @@ class FrictionLoops : public RunObserver {
   };
   /// kInside: a stroke has begun in the window; kHalf: there is the first stroke of a pair.
   enum { kInside, kHalf, kPairs, kIntegers };
-  /// Of one driver; the numbers stand in the run's state.
+  /// A driver that reverses; the numbers stand in the run's state.
   struct Reversing {
     std::size_t driver = 0;
     double* numbers = nullptr;

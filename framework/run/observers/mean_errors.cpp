@@ -76,7 +76,7 @@ class MeanErrors : public RunObserver {
     follow(parts_.run.clock.time());
   }
 
-  /// What counts are the two ends of blocks around the end of a part.
+  /// Only the two ends of blocks around the end of a part are needed.
   double idle_until() const override {
     if (*count_ == 0 || !parts_.window.is_open()) return std::numeric_limits<double>::infinity();
     return end_of_part();
@@ -104,7 +104,7 @@ class MeanErrors : public RunObserver {
   }
 
  private:
-  /// As long as parts end up in this window; shorter ones where it may end before.
+  /// Length that parts end up with in this window; shorter where the window may end before.
   double first_part() const {
     const RunContext& run = parts_.run;
     double length = part_of_window(run.model, run.plan.dt, parts_.window.length());

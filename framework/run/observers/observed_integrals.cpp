@@ -66,7 +66,7 @@ Accumulator accumulator_of(const SceneObserver& from, const Model& model) {
       throw std::invalid_argument("\"" + event + "\" is no name of an event");
     }
   }
-  // What samples are reported as.
+  // Samples are reported by these names.
   std::set<std::string> names;
   for (const ObservedNumber& number : listed(from, outline, record.columns)) {
     names.insert({number.name, "mean_" + number.name});

@@ -24,10 +24,10 @@ const ResultQuantity kStaticForce{
 /// The engine holds forces as doubles, in a run in quadruple precision as well.
 constexpr double kUnitRoundoff = 2.3e-16;
 
-/// Of a single point on a line, whose steps are taken in blocks: the work that is done on the scene
-/// so far, at the starts of steps. It is integrated from its rates there, so that it does not
-/// depend on where blocks end: the formula of Adams and Moulton with four points, which has the
-/// order 4.
+/// Work done on the scene so far, at the starts of steps, for a single point on a line, whose steps
+/// are taken in blocks. It is integrated from its rates there, so that it does not depend on where
+/// blocks end: the formula of Adams and Moulton with four points,
+/// which has the order 4.
 class WorkOfSteps {
  public:
   explicit WorkOfSteps(const Model& model) {
@@ -231,7 +231,7 @@ void PullEvents::placed() {
   if (!any && for_good) parts_.events.expect(EventKind::slip, false);
 }
 
-/// Of the forces that are active now.
+/// Finds the wells of the forces that are active now.
 void PullEvents::find_wells(const DoubleDouble& now) {
   RunContext& run = parts_.run;
   for (DriverWatch& watch : watches_) {
@@ -274,7 +274,7 @@ void PullEvents::keep_states(const SignalBlock& block) {
   }
 }
 
-/// Of a point at the start of a step; else at the end of the step that has been taken.
+/// Heat of a single point at the start of a step; else at the end of the step that has been taken.
 DriverWatch::HeatAt PullEvents::heat_at(double time) {
   RunContext& run = parts_.run;
   if (!work_.is_known()) {
@@ -294,7 +294,7 @@ DriverWatch::HeatAt PullEvents::heat_at(double time) {
 
 void PullEvents::steps(const SignalBlock& block) {
   if (block.has_states() && looks_for_slips_) keep_states(block);
-  // Of one driver alone, so that events come in the order of time.
+  // Blocks are watched for one driver alone, so that events come in the order of time.
   if (block.count > 1 && watches_.size() == 1 && !static_force_.any_open()) {
     watch_block(block);
     return;
@@ -382,7 +382,7 @@ void PullEvents::force_changed(std::string_view force) {
   }
 }
 
-/// What is pulled, and over what, is another: it begins afresh.
+/// The pull or the forces that resist it are others now: watching begins afresh.
 void PullEvents::force_switched(std::string_view) {
   if (follows_path()) return;
   static_force_.break_off();

@@ -32,7 +32,7 @@ class SceneObservers : public RunObserver {
   struct Watcher {
     const SceneObserver* scene = nullptr;
     std::vector<ObservedNumber> columns;
-    /// Of each number, where the run stops and as a mean.
+    /// Quantities of each number, where the run stops and as a mean.
     std::vector<std::shared_ptr<const ResultQuantity>> quantities;
   };
   void observe(const RunMoment& moment, double* numbers);

@@ -8,7 +8,7 @@
 
 namespace tomlin::observers {
 
-/// What observers of the scene are shown of a moment: particles' places and velocities, and the
+/// A moment as it is shown to observers of the scene: particles' positions and velocities, and the
 /// forces of drivers, all in the engine's units.
 class ShownScene {
  public:
@@ -28,7 +28,7 @@ class ShownScene {
   std::vector<ObservedDriver> drivers_;
 };
 
-/// What an observer is told of the scene that it is bound to.
+/// Outline of the scene that an observer is bound to.
 SceneOutline outline_of(const SceneObserver& observer, const Model& model);
 
 /// The numbers of one of its lists; none where the record has no such list. Throws

@@ -11,7 +11,7 @@
 
 namespace tomlin::observers {
 
-/// Of the slips of each driver that begin in the window: their number, mean, standard deviation and
+/// Statistics of each driver's slips that begin in the window: number, mean, standard deviation and
 /// range of length, peak force, energy and the time between two of them, and the stiffness of what
 /// the driver pulls before them; with noise the standard errors of these means.
 /// Numbers are brought up to date by every slip, so that they take no more memory in a long run:
@@ -27,9 +27,9 @@ class SlipStatistics {
   /// `stiffness`: the steepest slope of the force since the slip before; infinite or not a number
   /// where there is none.
   void add(std::size_t driver, const Event& slip, double stiffness);
-  /// Of a driver whose slips are looked for.
+  /// Adds the rows of a driver; without numbers unless its slips are looked for.
   void add_rows(ResultGroup& group, std::size_t driver, bool looked_for) const;
-  /// Of all drivers, as RunObserver has them.
+  /// Adds the errors of all drivers; the functions are those of RunObserver.
   void add_errors(ResultTable& table) const;
   const std::vector<std::string>& estimated() const { return paths_; }
   bool estimates(std::string_view path) const;

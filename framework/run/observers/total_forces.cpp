@@ -54,7 +54,7 @@ bool TotalForces::wants(const Model::Force& force, std::size_t body) const {
 void TotalForces::evaluate(const RunMoment& moment,
                            const std::function<void(std::size_t, std::size_t, double)>& take) {
   const SystemView<double>& view = parts_.run.model.system().view;
-  // Where friction is an operator no force reads those of rigid bodies.
+  // No force reads velocities of rigid bodies' particles where friction is an operator.
   place_velocities(parts_.run.model.bodies(), parts_.run.model.dimension(), moment.position,
                    moment.velocity, view.mapped_velocity);
   Stage<double> stage = stage_of(view, moment.position, moment.velocity, moment.integrals,

@@ -34,7 +34,7 @@ class WindowCheck : public RunObserver {
     const double moved = parts_.signals.start_velocity(driver, axis) < 0.0 ? -way : way;
     const EventLog& events = parts_.events;
     std::optional<std::uint64_t> slips;
-    // Of several drivers it is not known here whose slips they were.
+    // With several drivers it is not known here whose slips they were.
     if (events.expects(EventKind::slip) && springs_ == 1) {
       slips = static_cast<std::uint64_t>(events.count_within(EventKind::slip));
     }

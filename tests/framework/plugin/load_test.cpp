@@ -175,6 +175,7 @@ TEST(Plugins, TwoThatHaveTheSameName) {
   }
 }
 
+/// Beside one that is refused the others are loaded, and all refusals are told.
 TEST(Plugins, AllFaultsTogether) {
   Registry registry = standard_registry();
   try {
