@@ -43,7 +43,7 @@ std::vector<Place> places() {
       for (const double quarter : {0.0, 0.25}) {
         Place place{};
         for (std::size_t d = 0; d < 3; ++d) {
-          // As at a temperature of some hundred kelvin.
+          // Displacements are like those at a temperature of some hundred kelvin.
           const double moved = 0.08 * std::sin(12.9898 * static_cast<double>(3 * all.size() + d));
           place[d] = (at[d] + face[d] + quarter) * kLattice + moved;
         }
@@ -54,7 +54,7 @@ std::vector<Place> places() {
   return all;
 }
 
-/// Of atoms that were made so: carbon, silicon and so on.
+/// The elements of these atoms alternate: carbon, silicon and so on.
 std::size_t element(std::size_t atom) { return atom % 2; }
 
 std::string scene() {

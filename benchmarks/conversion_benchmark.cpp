@@ -1,5 +1,5 @@
-// What it takes to make a run's files from its rows when it ends, to be compared with the steps
-// that made them: time per row.
+// Time per row to make a run's files from its rows when it ends, to be compared with that of the
+// steps that made them.
 #include <cstdint>
 #include <filesystem>
 #include <string>

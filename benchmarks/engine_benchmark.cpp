@@ -830,7 +830,7 @@ void register_forces() {
                  "type = \"expression\"\nenergy = \"0.5*(r - 1.6)^2\"\npairs = \"neighbours\"\n");
 }
 
-/// Of a table, and of a table and a trajectory.
+/// Variants that write a table, and a table and a trajectory.
 std::vector<Variant> sampled(const std::string& dt) {
   const std::vector<Setting> every = {{"output.every", dt}, {"run.duration", "1e7"}};
   std::vector<Setting> all = every;
@@ -838,7 +838,7 @@ std::vector<Variant> sampled(const std::string& dt) {
   return {{"sample every step", every}, {"trajectory every step", all}};
 }
 
-/// Of one quantity, for which nothing is looked at after steps.
+/// A variant that measures one quantity, for which nothing is evaluated after steps.
 std::vector<Variant> asked_for_one() {
   return {{"mean force only", {{"measure.observables", "[\"driving_spring.mean_force.x\"]"}}}};
 }

@@ -59,7 +59,7 @@ class RatioReporter : public benchmark::ConsoleReporter {
       const std::string variant = name.substr(at + 1);
       if (variant == "tomlin" || variant.rfind("plain", 0) == 0) continue;
       const std::string model = name.substr(0, at);
-      // What is not built in is held against its hand-written twin.
+      // A model that is not built in is compared with its hand-written twin.
       const bool built_in = times_.count(model + "/tomlin") > 0;
       const double plain = median(model + (built_in ? "/tomlin" : "/plain"));
       const double ours = median(name);

@@ -126,7 +126,7 @@ class PlainSheet {
   static constexpr double kLowest = 2.0;
   static constexpr double kWidth = 0.005;
   static constexpr int kRows = 1600;
-  /// Of each pair of opposite vectors one, with as many zeros behind them as there are fewer than
+  /// One wave of each pair of opposite vectors, followed by zeros where there are fewer than
   /// six; and the sum over the two atoms of a cell.
   struct StarOfWaves {
     double length;  ///< in units of the first
@@ -381,7 +381,7 @@ tomlin::plain::TersoffTwinKernel twin_kernel() {
   }
 }
 
-/// Where the engine's tube is; the force of Tersoff's potential is its only one.
+/// Positions of the engine's tube; the force of Tersoff's potential is its only one.
 std::vector<Place> places_of(tomlin::EvaluatedScene& evaluated) {
   std::vector<Place> all(tube().size());
   for (std::size_t i = 0; i < all.size(); ++i) {

@@ -31,7 +31,7 @@ struct StdMath {
   static double exponential(double x) { return std::exp(x); }
 };
 
-// The same from the engine, whose sines take their argument in turns.
+// Sines and the exponential from the engine, whose sines take their argument in turns.
 struct OwnMath {
   double inverse_period;
 
@@ -105,7 +105,7 @@ struct NormalReplicas {
   void draw(std::uint64_t four);
 };
 
-// The same with a drag that remembers, a spring that a dashpot lets go: its stretch q is one more
+// A tip whose drag has a memory kernel, a Maxwell element: its spring's stretch q is one more
 // unknown, q' = v - q / memory_time, and the drag (damping / memory_time) q.
 template <class Math>
 struct RememberingTip {
@@ -159,7 +159,7 @@ struct FlexibleRing {
                      double t, double& driver_x, double& driver_y);
 };
 
-// The same ring as a rigid body: centre and angle are the unknowns.
+// This ring is rigid: its centre and its angle are the unknowns.
 template <class Math>
 struct RigidRing {
   int count;
@@ -302,7 +302,7 @@ struct VariedSubstrate {
   void evaluate();
 };
 
-// Of a periodic bicubic spline in the plane, from points^2 coefficients over a cell of length 1.
+// Periodic bicubic spline in the plane, from points^2 coefficients over a cell of length 1.
 struct SplineSurface {
   int points;
   std::vector<double> coefficient, x, y, fx, fy;
@@ -311,7 +311,7 @@ struct SplineSurface {
   void evaluate();
 };
 
-// Of dry friction, -f v / sqrt(v^2 + w^2) in the plane.
+// Dry friction, -f v / sqrt(v^2 + w^2) in the plane.
 struct DryFriction {
   double force = 0.1;
   double width = 0.01;

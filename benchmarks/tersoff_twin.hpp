@@ -96,7 +96,7 @@ TOMLIN_FLATTEN inline void twin_gradients(TersoffTwin& tube) {
             select(within | beyond, Pack(0.0), cosine * turns * Pack(-3.14159265358979));
       }
     }
-    // Of neighbours 0 and 1, 0 and 2, 1 and 2.
+    // Pairs of neighbours are in the order 0 and 1, 0 and 2, 1 and 2.
     Pack cosine[3];
     Pack angle[3];
     Pack angle_slope[3];

@@ -70,7 +70,7 @@ struct Best {
 
 class Grid {
  public:
-  /// What is recommended is the best so far.
+  /// The recommended point is the first best.
   Grid(const Variants& variants, const Tradeoff& tradeoff, double truth, double tolerance)
       : tradeoff_(tradeoff),
         measurer_(variants, tradeoff.observable, kLongest, nullptr),
@@ -100,7 +100,7 @@ class Grid {
     while (take(method, dt) <= best_.cost) dt /= std::exp2(1.0 / kPerFactor);
   }
 
-  /// What a coarse tolerance costs goes up and down; after three decades above the best there is
+  /// The cost of coarse tolerances goes up and down; after three decades above the best there is
   /// nothing to find.
   void take_tolerances(const Method& method) {
     int above = 0;

@@ -3,7 +3,7 @@
 #include "framework/core/elements/element.hpp"
 #include "framework/core/records/registry.hpp"
 
-/// The same force on every particle, for ever.
+/// A constant force, the same for every particle at all times.
 ///
 ///   V = -F.x
 ///

@@ -164,8 +164,8 @@ class Driven : public Base, public PulledEnd {
   }
 
  private:
-  /// Of the control: the sign of the velocity (0: it has not set out), how often it may still turn,
-  /// when it last did, and how far the support had come by then, high and low parts.
+  /// Entries of the control: sign of the velocity (0: it has not set out), reversals that are left,
+  /// when the last one was, and the travel of the support by then, high and low parts.
   enum { kSign, kTimesLeft, kSince, kTravel = kSince + 2 };
 
   void keep_since(const DoubleDouble& time) {

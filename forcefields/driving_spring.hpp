@@ -35,7 +35,7 @@ struct DrivingSpringDescription {
   Passing reverse;
 };
 
-/// Of the spring along an axis; 0 along those that it leaves free.
+/// Stiffness of the spring along an axis; 0 along those that it leaves free.
 double stiffness_on(const DrivingSpringDescription& description, int axis);
 
 ForceRecord driving_spring_record();

@@ -33,8 +33,8 @@ double period_on(const Description& d, int axis) {
   return periods(d)[static_cast<std::size_t>(axis)];
 }
 
-/// Where a formula departs from a quadratic one at a length L: its third difference there, beside
-/// rounding; 0 where it is no number, as functions of large arguments may be none.
+/// Departure of a formula from a quadratic one at a length L: its third difference there, if above
+/// rounding; 0 where it is not finite, as functions of large arguments may be.
 double departs(const FormulaLaw& law, std::size_t component, FormulaLaw::Values at,
                std::uint32_t variable, double length) {
   // Away from zero, where formulas often are symmetric.
@@ -182,7 +182,7 @@ class Examiner {
     return complaint;
   }
 
-  /// Of a variable, where the formula names it.
+  /// Adds a complaint about a variable, where the formula names it.
   void refuse(FaultCode code, std::uint32_t index, const std::string& why,
               const char* admissible = "") {
     const auto use = law_.place_of(index);

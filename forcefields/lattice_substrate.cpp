@@ -88,7 +88,7 @@ std::array<PlaneVector, 2> lattice_vectors(const Description& d) {
 
 bool is_line(const Description& d) { return d.lattice == SurfaceLattice::line; }
 
-/// Of the longest component, so that squares in units of it are neither too large nor too small.
+/// Exponent of the largest component: squares in units of it are neither too large nor too small.
 int exponent_of(const std::array<PlaneVector, 2>& a) {
   return std::ilogb(std::max(largest(a[0]), largest(a[1])));
 }
@@ -127,13 +127,13 @@ PlanePair reciprocal_of(const std::array<PlaneVector, 2>& a, bool line) {
            {quotient(-a[0].y, area), quotient(a[0].x, area)}}};
 }
 
-/// The same in units of a power of two, where all numbers are about 1.
+/// Reciprocal vectors in units of a power of two, in which all numbers are about 1.
 PlanePair reciprocal_shape(const Description& d) {
   const auto a = lattice_vectors(d);
   return reciprocal_of(scaled(a, -exponent_of(a)), is_line(d));
 }
 
-/// Of a lattice vector n1 a1 + n2 a2.
+/// Returns the lattice vector n1 a1 + n2 a2.
 std::array<DoubleDouble, 2> combination(const std::array<PlaneVector, 2>& a, double n1, double n2) {
   return {two_prod(n1, a[0].x) + two_prod(n2, a[1].x), two_prod(n1, a[0].y) + two_prod(n2, a[1].y)};
 }
@@ -652,7 +652,7 @@ class Check {
     }
   }
 
-  /// Where a period is declared the box is compared with it as of any force.
+  /// Skips an axis with a period: the box is compared with it as for any force.
   void check_box() {
     const auto b = reciprocal_lattice(d_);
     for (int axis = 0; axis < scene_.dimension; ++axis) {

@@ -139,7 +139,7 @@ struct LatticeSum {
 
   T term[kTerms];
 
-  /// Where A_mn stands in an array of all terms.
+  /// Returns the index of A_mn in an array of all terms.
   static constexpr int index(int m, int n) {
     if (phases == 1) return m - 1;
     return m == 0 ? n - 1 : kFirst + (m - 1) * kRow + order + n;

@@ -79,7 +79,7 @@ std::vector<Complaint> complaints(const LennardJonesDescription& d, const SceneO
   return cutoff_complaints("cutoff", d.cutoff, scene);
 }
 
-/// Of the shortest sigma: its own, if no key is a length of the kind.
+/// Returns the shortest sigma of entries; 0 without them, as the key sigma is a length itself.
 double length_of_entries(const LennardJonesDescription& d) {
   return d.entries.empty() ? 0.0 : shortest_sigma(d);
 }

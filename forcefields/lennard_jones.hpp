@@ -34,7 +34,7 @@
 /// it the second derivative jumps there.
 namespace tomlin {
 
-/// What becomes of energy and force at the cutoff.
+/// Treatment of energy and force at the cutoff.
 enum class AtCutoff { cut, shift, smooth };
 
 constexpr auto word_table(AtCutoff) {
@@ -42,7 +42,7 @@ constexpr auto word_table(AtCutoff) {
   return std::to_array<Word<AtCutoff>>({{cut, "cut"}, {shift, "shift"}, {smooth, "smooth"}});
 }
 
-/// What becomes of pairs of species that have no entry.
+/// Treatment of pairs of species that have no entry.
 enum class Mixing { none, lorentz_berthelot };
 
 constexpr auto word_table(Mixing) {
@@ -76,7 +76,7 @@ std::optional<LennardJonesEntry> lennard_jones_of(const std::vector<LennardJones
                                                   Mixing mixing, const std::string& one,
                                                   const std::string& other);
 
-/// Of every pair of species; empty where the description has no entries.
+/// Entries of every pair of species; empty where the description has no entries.
 std::vector<LennardJonesEntry> lennard_jones_of_all(const LennardJonesDescription& description,
                                                     const std::vector<std::string>& one,
                                                     const std::vector<std::string>& other);
@@ -103,7 +103,7 @@ struct LennardJonesPotential {
   };
 
   static double cutoff(const Description& d) { return d.cutoff; }
-  /// Of a particle: those that are nearer than half of this at the start are refused.
+  /// Size of a particle: pairs that are nearer than half of this at the start are refused.
   static double size(const Description& d) { return shortest_sigma(d); }
   static constexpr const char* what_size = "half of sigma";
 

@@ -46,7 +46,7 @@ bool is_noisy(const MemoryDampingDescription& d) {
   return d.temperature > 0.0 && d.coefficient > 0.0;
 }
 
-/// As an operator: velocities and own variables together, with noise or without.
+/// An operator on velocities and internal variables together, with noise or without.
 template <class Real, int D>
 class MemoryForce : public OwnStateForce<MemoryDamping, Real, D> {
   using Base = OwnStateForce<MemoryDamping, Real, D>;

@@ -88,7 +88,7 @@ struct NoseHooverChain {
   /// Terms of a series at most: a step is shortened where they do not suffice.
   template <class Real>
   static constexpr int kTerms = sizeof(Real) == sizeof(double) ? 24 : 48;
-  /// Of a flow: of velocities so far beyond the temperature it is no sensible thermostat.
+  /// Most steps of a flow. More would mean velocities far beyond the temperature, no thermostat.
   static constexpr int kMostSteps = 100000;
 
   template <class Real>
@@ -266,7 +266,7 @@ struct NoseHooverChain {
     }
   }
 
-  /// As a force on the particles.
+  /// Evaluates the thermostat as a force on the particles.
   template <class Real, bool set>
   TOMLIN_FLATTEN static void force(const void* arguments, const Stage<Real>& stage) {
     const auto a = *static_cast<const NoseHooverArguments<Real>*>(arguments);
@@ -285,7 +285,7 @@ struct NoseHooverChain {
         twice_kinetic<Real>(a.particle_length, a.particle_mass, v) * stage.own[a.own + a.links];
   }
 
-  /// As a force on the coordinates.
+  /// Evaluates the thermostat as a force on the coordinates.
   template <class Real>
   TOMLIN_FLATTEN static Real drag(const void* arguments, const Stage<Real>& stage) {
     const auto a = *static_cast<const NoseHooverArguments<Real>*>(arguments);

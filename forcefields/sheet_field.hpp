@@ -146,9 +146,9 @@ struct SheetField {
   }
 
  private:
-  /// Of Hermite's interpolation of fifth order at t = 0..1 between two knots: what a function, its
-  /// slope and half its curvature (by t) at either of them contribute, and by how much that changes
-  /// with t. Both intervals at a knot have the same numbers of it, so that function, slope and
+  /// Hermite's interpolation of fifth order at t = 0..1 between two knots: contributions of a
+  /// function, its slope and half its curvature (by t) at either of them, and their derivatives by
+  /// t. Both intervals at a knot have the same numbers of it, so that function, slope and
   /// curvature are continuous in every precision.
   template <class T>
   struct SplineWeights {
@@ -166,7 +166,7 @@ struct SheetField {
     }
 
    private:
-    /// Of the knot to which t is the way.
+    /// Weights of the knot at a distance of t, and their derivatives by t; u is 1 - t.
     TOMLIN_INLINE static void half(const T& u, const T& t, T* value, T* slope) {
       const T squared = u * u;
       const T cube = squared * u;
@@ -236,7 +236,7 @@ struct SheetField {
     const TableIndex<T> row(interval * T(static_cast<Scalar<T>>(row_length)));
     const double* here = table + static_cast<std::ptrdiff_t>(table[1]);
     const double* next = here + static_cast<std::ptrdiff_t>(row_length);
-    // Of m p1 at m, and of n p2 at kMiddle + n.
+    // Entry m is for the phase m p1, and entry kMiddle + n for n p2.
     constexpr std::size_t kMiddle = SheetTable::kMostOrder;
     T sine1[kMiddle + 1], cosine1[kMiddle + 1];
     T sine2[2 * kMiddle + 1], cosine2[2 * kMiddle + 1];

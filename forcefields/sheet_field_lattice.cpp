@@ -13,7 +13,7 @@ namespace {
 /// An atom is on its lattice site when it is no further away than this part of the spacing: far
 /// more than rounding, and far less than would show in a force.
 constexpr double kOnSite = 1e-7;
-/// The same of the end of the box, a little more: the error of a lattice vector adds up to there.
+/// A box ends on the lattice within this part, a little more: a lattice vector's error adds up.
 constexpr double kFits = 1e-6;
 /// Displacements between atoms that are tried as lattice vectors, the shortest first.
 constexpr std::size_t kMostCandidates = 48;
@@ -154,7 +154,7 @@ std::optional<std::size_t> SheetAtoms::at(const SheetPoint& place, double reach)
 
 FoundLattice find_lattice(const SheetAtoms& atoms) {
   FoundLattice found;
-  // Where one atom is displaced, another is not.
+  // If the first atom is displaced, another one is not: two are tried.
   const std::size_t count = atoms.count();
   auto vectors = shortest_vectors(atoms, 0);
   if (!vectors && count > 1) vectors = shortest_vectors(atoms, count / 2);
@@ -215,7 +215,7 @@ FoundLattice find_lattice(const SheetAtoms& atoms) {
          {SheetPoint{0.0, 0.0}, SheetPoint{0.5, 0.0}, SheetPoint{0.0, 0.5}, SheetPoint{0.5, 0.5}}) {
       const SheetPoint atom = {half[0] - shift[0], half[1] - shift[1]};
       const double distance = shortest_image(lattice, atom);
-      // Of equal distances the first, whatever rounding makes of them.
+      // The first of equal distances is taken, whatever the rounding.
       if (!(distance > furthest * (1.0 + kParallel))) continue;
       furthest = distance;
       lattice.centre = {atoms[0][0] + 0.5 * to[0] + shift[0] * a1[0] + shift[1] * a2[0],

@@ -45,7 +45,7 @@ class SheetAtoms {
 
  private:
   std::array<long, 2> bin_of(const SheetPoint& place) const;
-  /// Of a bin anywhere, that in the box, and how far its atoms are to be shifted.
+  /// Returns the bin in the box of which a bin is an image, and the shift of its atoms.
   std::pair<std::size_t, double> wrapped(long bin, std::size_t axis) const;
 
   std::vector<SheetPoint> atoms_;  ///< in the box, from 0 on

@@ -85,7 +85,7 @@ std::vector<SheetStar> stars_of(const SheetLattice& lattice) {
 /// Value, slope and curvature along z.
 using HeightJet = std::array<double, 3>;
 
-/// Of a pair whose squared distance is u, at the height z.
+/// Adds a pair whose squared distance is u, at the height z.
 void add_pair(const SheetLaw& law, double u, double z, HeightJet& sum) {
   const double inverse = 1.0 / u;
   const double part = law.sigma_squared * inverse;
@@ -194,7 +194,7 @@ std::array<double, 2> mean_at(const SheetTable& table, double z) {
   return {sheet * energy, sheet * z * pair};
 }
 
-/// Where V_0 has its well, how deep it is and how strongly it attracts.
+/// Finds the height and the depth of the well of V_0 and its largest attraction.
 void describe_mean(SheetTable& table) {
   constexpr int kSteps = 1000;
   const double step = (table.law.cutoff - table.nearest) / kSteps;
@@ -224,8 +224,8 @@ HeightJet fading(double t) {
           -60.0 * t * (1.0 - t) * (1.0 - 2.0 * t)};
 }
 
-/// Of each star, the last point of the table at which it is needed, so that those left out add up
-/// to at most `share` of what is allowed; 0 where it is at none.
+/// Returns the last point of the table at which each star is needed, so that those left out add up
+/// to at most `share` of what is allowed; 0 for a star that is needed at none.
 std::vector<std::size_t> last_needed(const SheetTable& table, const std::vector<SheetStar>& stars,
                                      const std::vector<std::vector<HeightJet>>& jets,
                                      double tolerance, double share) {

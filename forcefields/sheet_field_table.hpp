@@ -59,7 +59,7 @@ struct SheetTable {
   std::vector<double> numbers;
   SheetError error;
 
-  // What a note says.
+  // Notes report these numbers.
   double equilibrium = 0.0;  ///< height of the well of V_0
   double depth = 0.0;        ///< of this well
   double pull = 0.0;         ///< largest attraction of V_0

@@ -53,7 +53,7 @@ Complaint complaint(FaultCode code, const char* key, std::string why, std::strin
   return {.key = key, .why = std::move(why), .admissible = std::move(admissible), .code = code};
 }
 
-/// Where a description says its numbers.
+/// Returns the key that gives the numbers of a description.
 const char* key_of(const TersoffDescription& d) {
   if (!d.parameters.empty()) return "parameters";
   return d.read_from.empty() ? "entries" : "file";
@@ -93,7 +93,7 @@ std::vector<Complaint> prepare(TersoffDescription& d, const std::filesystem::pat
   return found;
 }
 
-/// Of a description that has not been prepared, too: a set by its name.
+/// Returns the entries also of a description that has not been prepared: a set by its name.
 std::vector<TersoffEntry> entries_of(const TersoffDescription& d) {
   if (!d.known.empty()) return d.known;
   std::vector<std::string> faults;

@@ -49,7 +49,7 @@ struct TersoffNumbers {
   double a = 0.0;
 };
 
-/// Of the bond between the first and the second of these, in the presence of the third. What
+/// Numbers of the bond between the first and the second species, with the third present. What
 /// belongs to the bond alone, n, beta, lambda1, lambda2, A and B, is that of the entry whose second
 /// and third are the same; published files often have zeros for it in the other entries.
 struct TersoffEntry {
@@ -146,12 +146,12 @@ struct Tersoff {
     return p.outer;
   }
 
-  /// Of f_C.
+  /// Compares the numbers of f_C.
   template <class T>
   static bool same_cutoff(const Parameters<T>& p, const Parameters<T>& q) {
     return p.middle == q.middle && p.inner == q.inner && p.outer == q.outer && p.turns == q.turns;
   }
-  /// Of g and of the weight.
+  /// Compares the numbers of g and of the weight.
   template <class T>
   static bool same_surroundings(const Parameters<T>& p, const Parameters<T>& q) {
     return p.cubic == q.cubic && p.lambda3 == q.lambda3 && p.gamma == q.gamma &&
@@ -200,7 +200,7 @@ struct Tersoff {
   /// it, as the slope of zeta is 0.
   template <class N, class T>
   static Sloped<T> order(const Parameters<N>& p, const T& zeta) {
-    // Of a smaller number nothing is left beside 1, whatever n.
+    // A smaller number adds nothing to 1, whatever n.
     constexpr double kLeast = sizeof(Scalar<T>) < sizeof(double) ? 1e-36 : 1e-280;
     const T least(static_cast<Scalar<T>>(kLeast));
     const T scaled = zeta * p.beta;

@@ -8,7 +8,7 @@ namespace {
 
 double step(const void*) { return 0.0; }
 
-/// Where one of the two tolerances is zero, the other rules. (The absolute one is a length: see
+/// If one of the two tolerances is zero, the other rules. (The absolute one is a length: see
 /// tolerance_of() in framework/scene/natural_units.hpp.)
 double tolerance(const void* description) {
   const auto& d = *static_cast<const AdaptiveDescription*>(description);

@@ -4,7 +4,7 @@
 
 #include "framework/core/records/integrator.hpp"
 
-/// What a scene says to the schemes that choose their steps.
+/// Settings of the schemes that choose their steps.
 namespace tomlin {
 
 struct AdaptiveDescription {
@@ -16,7 +16,7 @@ struct AdaptiveDescription {
   std::int64_t most_steps = 0;
 };
 
-/// What all their records share: parameters and their checks, with the default of both tolerances.
+/// Adds what their records share: parameters and their checks, with the default of both tolerances.
 void describe_adaptive(IntegratorRecord& record, double default_tolerance);
 
 }  // namespace tomlin

@@ -11,7 +11,7 @@ namespace {
 struct BlanesMoan {
   static constexpr const char* name = "blanes_moan";
   static constexpr unsigned drifts = BlanesMoanScheme::drifts;
-  /// Where half the trace of a step's matrix for a harmonic oscillator first leaves [-1, 1].
+  /// Limit of h omega: beyond it half the trace of an oscillator's step matrix leaves [-1, 1].
   static constexpr double longest = 3.163;
 };
 

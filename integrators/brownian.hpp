@@ -24,7 +24,7 @@ struct BrownianDescription {
   double dt = 0.0;
 };
 
-/// Of a step: the mean of the normal numbers of this step and the next, or those of this one.
+/// Noise of a step: the mean of the normal numbers of this step and the next, or those of this one.
 enum class BrownianNoise { of_the_step, averaged };
 
 template <class Real>
@@ -173,7 +173,7 @@ std::unique_ptr<Integrator<Real>> bind_brownian(const void*, System<Real>& syste
   return std::make_unique<Brownian<Real>>(Scheme::name, Scheme::noise, system);
 }
 
-/// Of Euler steps, `relaxed` below 2: the variance is T/k / (1 - relaxed/2).
+/// Relative error of Euler steps, `relaxed` below 2: the variance is T/k / (1 - relaxed/2).
 inline double euler_variance_error(double relaxed) { return 0.5 * relaxed / (1.0 - 0.5 * relaxed); }
 
 /// The record of one of them, which has a name and its noise, but for what only a reader needs.

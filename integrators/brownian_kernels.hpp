@@ -9,7 +9,7 @@
 
 namespace tomlin {
 
-/// What a step without inertia needs beside the state.
+/// Arrays that a step without inertia needs beside the state.
 template <class Real>
 struct BrownianArrays {
   Real* slope = nullptr;  ///< velocities by the forces alone, at the start and afterwards the end

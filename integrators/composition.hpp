@@ -22,7 +22,7 @@ struct CompositionDescription {
   double dt = 0.0;
 };
 
-/// What a composition is called, its evaluations per step, its kernels on the scene's set.
+/// Name of a composition, its evaluations per step, its kernels on the scene's set.
 template <class Real>
 struct CompositionScheme {
   std::string name;
@@ -213,8 +213,8 @@ IntegratorRecord composition_record() {
   return record;
 }
 
-/// Of Verlet steps with the exact flow of friction: under a steady force F their steady speed is
-/// (h F/2m) coth(h gamma/2), where F/(m gamma) is right.
+/// Relative error of Verlet steps with the exact flow of friction: under a steady force F their
+/// steady speed is (h F/2m) coth(h gamma/2), where F/(m gamma) is right.
 inline double verlet_drag_error(double damped) {
   const double half = 0.5 * damped;
   return half > 0.0 ? half / std::tanh(half) - 1.0 : 0.0;

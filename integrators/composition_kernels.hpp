@@ -25,7 +25,7 @@ struct CompositionArrays {
   Real* half_step_energy = nullptr;  ///< kinetic, of each KineticIntegral; in lanes, of each lane
   const Real* mass = nullptr;        ///< zero where nothing moves
   std::uint64_t step = 0;            ///< number of the step
-  // Of replicas in lanes (lanes.hpp).
+  // These are for replicas in lanes (lanes.hpp).
   std::size_t lanes = 0;                ///< none: of one run
   const std::size_t* places = nullptr;  ///< where coordinates stand in the arrays of one run
 };

@@ -51,9 +51,9 @@ constexpr int kHalvings = 60;
 /// A fold is found when time changes there by no more than this part of the way.
 constexpr double kAtFold = 1e-7;
 constexpr int kMostFoldTries = 4;
-/// Of a step: how closely a bifurcation is bracketed.
+/// A bifurcation is bracketed to this part of a step.
 constexpr double kBracket = 1e-8;
-/// Of the way from the last point to a fold: how closely before it K must be positive.
+/// K must be positive before a fold by this part of the way to it from the last point.
 constexpr double kJustBefore = 1e-3;
 /// Below this part of its own unit time stands still, and velocities have no meaning.
 constexpr double kNoTime = 1e-12;
@@ -72,7 +72,7 @@ constexpr double kNoDistance = 1e-9;
 constexpr double kInCommon = 1e-4;
 /// Random numbers of a run that is not disturbed.
 constexpr RandomKey kAlways{0, 2};
-/// Those of the random force are at places of their own in their stream.
+/// Numbers for the random force have positions of their own in their stream.
 constexpr std::uint64_t kOfRandomForce = 8;
 /// Slips in a row without any time between them.
 constexpr std::int64_t kMostSlipsAtOnce = 1000;
@@ -385,10 +385,10 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
     tied_ = system_.tangent->coordinates()[most];
   }
 
-  /// Where stability is lost along the direction in `kick_`, of norm 1: to the side that the force
-  /// along it points to, or is going to point to. Where these are rounding both sides are tried; if
-  /// two equilibria are found it is a tie, and the side is the one to which friction points when
-  /// the drivers move slowly, or else an arbitrary one.
+  /// Chooses the side on which a lost stability is left along the direction in `kick_`, of norm 1:
+  /// the one that the force along it points to, or is going to point to. Where these are rounding
+  /// both are tried; if two equilibria are found it is a tie, and the side is the one to which
+  /// friction points when the drivers move slowly, or else an arbitrary one.
   void choose_side(double since) {
     double force = 0.0;
     double farthest = 1.0;
@@ -655,7 +655,7 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
 
   // ---- where a step ends
 
-  /// What comes first within the step that has been made: the end of its time, a fold, or another
+  /// Finds what is first within the step that has been made: the end of its time, a fold, or other
   /// loss of stability. The step is then made anew up to there. Nothing: it stands as it is.
   std::optional<End> cut(double h) {
     const double fold = first_zero([this](double theta) { return time_slope_within(theta); });
@@ -882,7 +882,7 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
     return slope;
   }
 
-  /// Where in the step a time since its start falls.
+  /// Fraction of the step at a time since its start.
   double when(double time) const {
     if (time <= 0.0) return 0.0;
     if (time >= taken_) return 1.0;

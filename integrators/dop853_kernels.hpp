@@ -174,7 +174,7 @@ struct Dop853Tableau {
                                         {},
                                         {},
                                         "0.220588235294117647058823529412e-1"};
-  /// Of the continuous extension.
+  /// Coefficients of the continuous extension.
   static constexpr Decimal dense[4][16] = {{"-0.84289382761090128651353491142e+1",
                                             {},
                                             {},
@@ -241,7 +241,7 @@ struct Dop853Tableau {
                                             "-0.14972683625798562581422125276e+3"}};
 };
 
-/// What looks on is in double whatever the number type.
+/// Dense output is in double whatever the number type.
 struct Dop853InDouble {
   double time[Dop853Tableau::slopes] = {};
   double dense[4][Dop853Tableau::slopes] = {};

@@ -21,7 +21,7 @@ struct Dopri5Tableau {
   /// Fifth-order weights less fourth-order ones.
   static constexpr Coefficient error[7] = {{71, 57600},      {0},       {-71, 16695}, {71, 1920},
                                            {-17253, 339200}, {22, 525}, {-1, 40}};
-  /// Of the continuous extension, which is for observers, in double.
+  /// Coefficients of the continuous extension, which is for observers, in double.
   static constexpr double dense[7] = {
       -12715105075.0 / 11282082432.0,  0.0,
       87487479700.0 / 32700410799.0,   -10690763975.0 / 1880347072.0,

@@ -12,7 +12,7 @@
 /// The kernels of embedded explicit Runge-Kutta pairs, made from a tableau.
 namespace tomlin {
 
-/// Of all pairs: stages, the evaluation at the end of a step, those for dense output alone.
+/// Most slopes of any pair: stages, the evaluation at the end of a step, those for dense output.
 inline constexpr int kMostSlopes = 16;
 
 /// Work space of one step. Slopes of positions are the stage velocities.
@@ -91,10 +91,10 @@ struct EmbeddedTable {
   /// The continuous extension at a fraction of the step, and its derivative with respect to time.
   void (*extension)(const EmbeddedStep<Real>& step, double theta, double* y) = nullptr;
   void (*extension_slope)(const EmbeddedStep<Real>& step, double theta, double* slope) = nullptr;
-  /// The same derivative from what every step has, extra slopes or not.
+  /// Computes this derivative from what every step has, extra slopes or not.
   void (*slope_within)(const EmbeddedStep<Real>& step, double theta, double* slope) = nullptr;
-  /// What the step is multiplied by after an attempt, before it is limited: the accepted, and the
-  /// refused one.
+  /// Factors of the step after an attempt, before it is limited: after an accepted and after a
+  /// rejected one.
   double (*accepted_factor)(const StepControl& law, double error, double old_error) = nullptr;
   double (*refused_factor)(const StepControl& law, double error) = nullptr;
   /// Over replicas in lanes: an attempt of each from its own state, with its own step; and the new
@@ -494,7 +494,7 @@ struct EmbeddedKernels {
         for (std::size_t k = 0; k < l.coordinates; ++k) {
           sound = sound & (abs(Pack::load(slope + k * l.width + lane)) < Pack(__builtin_inf()));
         }
-        // Of a lane that has accepted, they decide as moves do.
+        // They decide in a lane that has accepted, as moves do.
         const Pack accepts = Pack::load(l.accepted + lane);
         const auto was = accepts == Pack(1.0);
         const Pack still = select(sound, accepts, Pack(0.0));

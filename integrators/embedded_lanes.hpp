@@ -159,7 +159,7 @@ class EmbeddedPairLanes : public AdaptiveLanes {
            most <= own.largest_step;
   }
 
-  /// What EmbeddedPair::step_from() does with an attempt.
+  /// Handles an attempt as EmbeddedPair::step_from() does.
   Attempt decide(std::size_t k) {
     Lane& own = lanes_[k];
     Attempt result{.evaluations = static_cast<unsigned>(call_.evaluations[k])};

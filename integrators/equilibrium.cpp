@@ -23,7 +23,7 @@ constexpr int kSubspaceIterations = 6;
 constexpr int kSoftestIterations = 40;
 constexpr int kJacobiSweeps = 30;
 
-/// Of a pace: intervals over which forces are differenced in time.
+/// Parts of a pace: intervals over which forces are differenced in time.
 constexpr double kLongInterval = 0.1;
 constexpr double kShortInterval = 1e-3;
 /// Second differences below this part of the first are rounding.
@@ -418,7 +418,7 @@ bool Equilibrium::descend(double* offset, double t) {
         rate *= kSlower;
         continue;
       }
-      // What the rule leaves of its equation, as a correction of the step.
+      // The remainder in the rule's equation is taken as a correction of the step.
       for (std::size_t k = 0; k < n_; ++k) trial_[k] = offset[k] + change_[k];
       held_ = force_;
       evaluate(trial_.data(), t);

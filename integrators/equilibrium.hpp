@@ -23,7 +23,7 @@ class Equilibrium {
   explicit Equilibrium(System<double>& system);
 
   std::size_t size() const { return n_; }
-  /// Of coordinate k, in its own unit.
+  /// Unit of coordinate k.
   double unit(std::size_t k) const { return unit_[k]; }
   /// sqrt(sum of (x_k / unit_k)^2), and the largest |x_k / unit_k|.
   double norm(const double* x) const;
@@ -38,7 +38,7 @@ class Equilibrium {
   void start_at(double since);
   /// Evaluates at a place and time: force(), and rates() of the running integrals.
   void evaluate(const double* offset, double t);
-  /// The same with K.
+  /// Evaluates K, too.
   void linearise(const double* offset, double t);
   /// [n], of the last evaluation.
   const double* force() const { return force_.data(); }

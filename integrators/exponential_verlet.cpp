@@ -162,7 +162,7 @@ class ExponentialVerlet : public Integrator<double> {
   double last_ = 0.0;
 };
 
-/// Of the forces that are left to kicks. Bonds and friction limit nothing.
+/// Stable step for the forces that are left to kicks. Bonds and friction limit nothing.
 double stable_step(double frequency, double) {
   return frequency > 0.0 ? 2.0 / frequency : std::numeric_limits<double>::infinity();
 }

@@ -30,7 +30,7 @@ struct FixedStepScheme {
   const FixedStepTable<Real>& kernels;
 };
 
-/// What both forms of the scheme hold.
+/// Common parts of both forms of the scheme.
 template <class Real>
 class FixedStepBase : public Integrator<Real> {
  public:

@@ -18,7 +18,7 @@
 /// before it alone, x_s = x + a_s,s-1 h v_s-1 instead, whose velocity is at hand.
 namespace tomlin {
 
-/// Of all schemes.
+/// Most stages of any scheme.
 inline constexpr int kMostFixedStages = 4;
 
 /// Scratch of one step: arrays of `dofs` and of `rates` numbers.
@@ -38,7 +38,7 @@ struct FixedStepTable {
   /// Returns whether every coordinate stayed finite and within its largest move.
   bool (*step)(const SystemView<Real>& system, const FixedStepArrays<Real>& arrays, double since,
                double h) = nullptr;
-  /// The same without inertia. The slopes at the start are known beforehand; those at the end are
+  /// Steps without inertia. The slopes at the start are known beforehand; those at the end are
   /// left in their place.
   bool (*drift)(const SystemView<Real>& system, const FixedStepArrays<Real>& arrays, double since,
                 double h) = nullptr;
@@ -205,7 +205,7 @@ struct FixedStepKernels {
     return taken;
   }
 
-  /// The same of replicas in lanes; see LaneBlock. Eight particles at a time are a Replicas.
+  /// Advances replicas in lanes; see LaneBlock. Eight particles at a time are a Replicas.
   template <class Replicas>
   TOMLIN_FLATTEN static bool lane_block(const SystemView<double>& system, double h,
                                         std::size_t count, const LaneRows& rows) {
@@ -244,7 +244,7 @@ struct FixedStepKernels {
   }
 
  private:
-  /// Of stage j, in group i: `last` from the forces that it left, those before as they are kept.
+  /// Slopes of stage j, in group i: `last` from the forces that it left, others as they are kept.
   template <int last, class Real>
   TOMLIN_INLINE static auto slopes_at(const SystemView<Real>& s, const FixedStepArrays<Real>& w,
                                       std::size_t i) {
@@ -300,7 +300,7 @@ struct FixedStepKernels {
     put_own<stage>(s, w, steps.slope);
   }
 
-  /// The same without inertia.
+  /// The state at a stage without inertia.
   template <int stage, class Real>
   TOMLIN_INLINE static void put_drift_stage(const SystemView<Real>& s,
                                             const FixedStepArrays<Real>& w, Real h) {
@@ -385,7 +385,7 @@ struct FixedStepKernels {
             Number(steps.slope)};
   }
 
-  /// Of an integral over the step.
+  /// Weighted sum of the rates of an integral over the step.
   template <class Number, class Rates>
   TOMLIN_INLINE static Number point_rate(std::size_t k, const Number* first_rates,
                                          const Rates& rates) {

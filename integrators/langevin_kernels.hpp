@@ -46,7 +46,7 @@ struct LangevinKernels : CompositionKernels<VerletScheme> {
     return Real(0.5) * sum(total);
   }
 
-  /// The same of eight replicas, from `lane` on, by the same rule of sums.
+  /// Kinetic energies of eight replicas, from `lane` on, by the same rule of sums.
   TOMLIN_INLINE static Pack kinetic_energy_in_lanes(const CompositionArrays<double>& w,
                                                     const KineticIntegral& body, std::size_t lane) {
     if (body.length == w.lanes) {

@@ -11,7 +11,7 @@ namespace {
 
 /// Part of the forces on a body that the filter of kicks may lose: a result's error is about that.
 constexpr double kLostForce = 0.01;
-/// Of forces between particles of a body, in units of its stiffest mode's at its size.
+/// Rounding of forces between particles of a body, in units of its stiffest mode's at its size.
 constexpr double kForceRounding = 1e-14;
 /// Parts of the largest squared frequency: blocks below it are none.
 constexpr double kNoSpring = 1e-9;
@@ -462,7 +462,7 @@ void ModalBody::flow(double h, double* move, double* velocity) {
   const double last_spin = spin_ * whole_.d;
   const double angle = spin_ * whole_.b;
 
-  // What turning adds at the step's mean rate: half of it, the exact flow, the other half.
+  // Terms of rotation, at the step's mean rate: half of them, the exact flow, the other half.
   const double mean_spin = angle / h;
   double sine = 0.0;
   double cosine = 1.0;

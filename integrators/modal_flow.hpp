@@ -29,8 +29,8 @@ struct ModeFlow {
 };
 ModeFlow mode_flow(double square, double rate, double h);
 
-/// What friction takes out of a mode over h from q - q0 = u and p on, under a steady force g: the
-/// integral of rate p^2.
+/// Energy that friction takes from a mode over h from q - q0 = u and p on, under a steady force g:
+/// the integral of rate p^2.
 double mode_heat(const ModeFlow& flow, double square, double rate, double u, double p, double g);
 
 /// One body within a step. Vectors run over its coordinates as in ElasticBody.

@@ -43,9 +43,9 @@ constexpr int kMostIterations = 10;
 constexpr double kLeftOver = 0.01;  ///< of the tolerance, when they end
 constexpr double kAtOnce = 1e-3;    ///< of that: the first correction needs no second
 constexpr double kSlowest = 0.99;
-/// Where in a step K and G are taken: early ones converge slowly, late ones rest on guesses.
+/// K and G are taken at this part of a step: early ones converge slowly, late ones rest on guesses.
 constexpr double kLinearisedAt = 0.75;
-/// Of what grows, in a step: ln of the factor.
+/// Most growth in a step: ln of the factor.
 constexpr double kMostGrowth = 2.0;
 constexpr int kMostHalvings = 200;
 /// A polynomial leads so many of its steps ahead, and no further.
@@ -335,10 +335,10 @@ class Radau9 : public Integrator<double> {
     }
   }
 
-  /// What makes a coordinate a length: of an angle, that of an arc at the scene's length.
+  /// Factor that makes a coordinate a length: an angle becomes an arc at the scene's length.
   double unit(std::size_t k) const { return scales_.in_units[at_[k]]; }
 
-  /// Of a coordinate, or of its velocity.
+  /// Scale of a coordinate, or of its velocity.
   double scale_of(std::size_t k) const {
     return k < n_ ? scales_.position[at_[k]] : scales_.velocity[at_[k - n_]];
   }
@@ -526,7 +526,7 @@ class Radau9 : public Integrator<double> {
     return most;
   }
 
-  /// Where nothing is dissipated the whole of the work is stored; and where no driver is steady
+  /// If nothing is dissipated the whole of the work is stored; and if no driver is steady
   /// nothing is known of what is dissipated on average.
   bool unwatched() const { return watched_.empty() || scale_ == 0.0; }
 
@@ -552,8 +552,8 @@ class Radau9 : public Integrator<double> {
     return largest;
   }
 
-  /// Of the quadratures of all that is watched, in what is allowed. Rounding of coordinates is no
-  /// error of a step: a shorter one would not help.
+  /// Error of the quadratures of all that is watched, in units of the allowed one. Rounding of
+  /// coordinates is no error of a step: a shorter one would not help.
   double error_of_integrals(double h) {
     within_step_ = 0.0;
     if (unwatched()) return 0.0;
@@ -713,7 +713,7 @@ class Radau9 : public Integrator<double> {
     }
   }
 
-  /// The same of a complex mode, r + i s.
+  /// Solves for a complex mode, r + i s, likewise.
   void solve_pair(int p, double h, double* r, double* s) {
     const double a = pair(p, h).real();
     const double b = pair(p, h).imag();
@@ -761,7 +761,7 @@ class Radau9 : public Integrator<double> {
     return std::sqrt(squares / std::max(1.0, static_cast<double>(width_ + s.own_count)));
   }
 
-  /// The same of variables of prescribed bodies, on which no force acts back.
+  /// Squared error of variables of prescribed bodies, on which no force acts back.
   double own_squares(double h) const {
     const SystemView<double>& s = system_.view;
     double squares = 0.0;
@@ -793,7 +793,7 @@ class Radau9 : public Integrator<double> {
     return row;
   }
 
-  /// Of the stages' rates, for the integral from 0 to x.
+  /// Weights of the stages' rates, for the integral from 0 to x.
   static Weights quadrature_weights(double x) {
     Weights area{};
     for (int j = 0; j < kStages; ++j) {
@@ -805,8 +805,8 @@ class Radau9 : public Integrator<double> {
     return area;
   }
 
-  /// Of the stages' ways: the polynomial through them and the start, in its product form, which
-  /// holds beyond the step, too.
+  /// Weights of the stages' displacements: the polynomial through them and the start, in its
+  /// product form, which holds beyond the step, too.
   static Weights displacement_weights(double x) {
     Weights along{};
     for (int j = 0; j < kStages; ++j) {
@@ -818,7 +818,7 @@ class Radau9 : public Integrator<double> {
     return along;
   }
 
-  /// Of the stages' ways, for h times the slope: that of the stages, led through them.
+  /// Weights of the stages' displacements for h times the slope, interpolated between the stages.
   static Weights slope_weights(double x) {
     const Weights here = lagrange(x);
     Weights slope{};
@@ -874,7 +874,7 @@ class Radau9 : public Integrator<double> {
   double within_step_ = 0.0;     ///< error of integrals there, in what is allowed
   double rounded_ = 0.0;         ///< error of works through rounding, in this step
 
-  // Of the stages: ways from the step's start, slopes, rates, own variables; corrections by mode.
+  // Stages: displacements from the start, slopes, rates, internal variables; corrections by mode.
   std::array<Numbers, kStages> z_;
   std::array<Numbers, kStages> slope_;
   std::array<Numbers, kStages> rates_;

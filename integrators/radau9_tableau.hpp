@@ -60,7 +60,7 @@ struct Radau9Tableau {
        1.05066019023145886385984, -0.272778611864296270538615},
       {-3.74805980743980486005103, 3.98496573634388466725226, 1.04441564160801879294225,
        -1.18409856813794848723102, 0.449917770156780368898812}};
-  /// Of the embedded scheme of order 5 less the step: h start f(y) + sum_j error[j] (Y_j - y).
+  /// Embedded scheme of order 5 less the step: h start f(y) + sum_j error[j] (Y_j - y).
   static constexpr double error[stages] = {-4.41899771679638172256423, 0.579234852256670054472317,
                                            -0.199237560953468008735826, 0.0941674836919454889754446,
                                            -0.0318131688854938240955830};
@@ -77,7 +77,7 @@ struct Radau9Tableau {
        105.846834891309688580967, -55.1993517969227680816094},
       {0.200000000000000000000000, -4.80000000000000000000000, 25.2000000000000000000000,
        -44.8000000000000000000000, 25.2000000000000000000000}};
-  /// Of the polynomial through values at the start and at the nodes: its parts along Legendre's
+  /// Parts of the polynomial through values at the start and at the nodes: along Legendre's
   /// polynomials P_2(2x - 1) to P_5(2x - 1), the start first.
   static constexpr double legendre[4][stages + 1] = {
       {0, 0.486427403172189678408698, -0.283052249548965521191653, -0.714200978643250167214199,

@@ -5,7 +5,7 @@
 
 namespace tomlin {
 
-/// Of schemes that may be compiled together with forces, IntegratorRecord::lane_block.
+/// Schemes that may be compiled together with forces, IntegratorRecord::lane_block.
 struct SchemesWithForces {
   LaneBlockFinder rk4 = nullptr;
   LaneBlockFinder midpoint = nullptr;

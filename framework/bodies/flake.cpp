@@ -40,7 +40,7 @@ std::int64_t whole_root(std::int64_t n) {
   return root;
 }
 
-/// Of a whole number by a positive one, never negative.
+/// Remainder of a whole number by a positive one, never negative.
 std::int64_t modulo(std::int64_t n, std::int64_t by) { return ((n % by) + by) % by; }
 
 bool is_square(const Description& d) { return d.lattice == FlakeLattice::square; }
@@ -74,7 +74,7 @@ class FlakeRows {
         if (is_square(d)) shift_ = -lowest_;
         break;
       case FlakeShape::triangle:
-        // Of a honeycomb the middles of the outermost hexagons are a triangle smaller by one, and
+        // In a honeycomb the middles of the outermost hexagons form a triangle smaller by one, and
         // the edges pass through particles outside of these.
         shift_ = is_honeycomb(d) ? n - 1 : n;
         limit_ = is_honeycomb(d) ? 2 * shift_ + 4 : 2 * shift_;

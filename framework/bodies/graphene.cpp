@@ -18,7 +18,7 @@ using Description = GrapheneDescription;
 constexpr double kRoot3 = 1.73205080756887729352744634151;
 constexpr double kQuarterRoot3 = 0.433012701892219323381861585376;
 constexpr std::int64_t kPerCell = 4;
-/// Of the particles of a cell, in b/2 along the armchair direction; and in which of two rows.
+/// Positions of a cell's particles along the armchair direction, in b/2; and their row out of two.
 constexpr std::array<std::int64_t, kPerCell> kAlong = {0, 1, 3, 4};
 constexpr std::array<std::int64_t, kPerCell> kRow = {0, 1, 1, 0};
 

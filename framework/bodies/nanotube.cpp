@@ -23,7 +23,7 @@ constexpr double kLargestIndex = 1e6;  // of a chirality: its squares have to be
 
 /// The quotient of whole numbers, rounded down; the divisor is positive.
 std::int64_t floor_of(std::int64_t n, std::int64_t by) { return n / by - (n % by < 0 ? 1 : 0); }
-/// What is left then, never negative.
+/// The remainder of that division, never negative.
 std::int64_t rest_of(std::int64_t n, std::int64_t by) { return n - floor_of(n, by) * by; }
 
 bool is_tube(const WordOrNumbers& chirality) {
@@ -33,7 +33,7 @@ bool is_tube(const WordOrNumbers& chirality) {
   return n == __builtin_floor(n) && m == __builtin_floor(m) && m >= 0.0 && n >= m && n > 0.0;
 }
 
-/// What follows from a chirality alone, in whole numbers.
+/// Whole numbers that follow from a chirality alone.
 struct Chirality {
   explicit Chirality(const Description& d)
       : n(static_cast<std::int64_t>(d.chirality.numbers[0])),
@@ -150,7 +150,7 @@ class TubeCell {
   }
 
  private:
-  /// Of a lattice point whose height is the least above that of another, the angle from it.
+  /// Angle from a lattice point to one whose height above it is the least.
   std::int64_t angle_of_level() const {
     // n j - m i = symmetry, by Euclid's algorithm.
     std::array<std::int64_t, 2> rest = {tube_.n, tube_.m};

@@ -9,7 +9,7 @@
 #include "framework/core/numbers/constants.hpp"
 #include "framework/core/records/body.hpp"
 
-/// What bodies in the x-y plane share: their angle to the axes, and closed outlines.
+/// Common parts of bodies in the x-y plane: their angle to the axes, and closed outlines.
 ///
 /// A closed outline of perimeter P rolls without sliding over a plane when its point of contact
 /// moves along the plane as it moves along the outline, so that one turn advances the body by P. A
@@ -21,7 +21,7 @@ namespace tomlin {
 
 using PlanePoint = std::array<double, 2>;
 
-/// Of angles in the plane, in rad: a turn either way, over which they keep their digits.
+/// Range of angles in the plane, in rad: a turn either way, over which they keep their digits.
 inline constexpr Interval kWithinOneTurn{
     .low = -kTau, .high = kTau, .low_open = false, .high_open = false};
 

@@ -152,7 +152,7 @@ BodyEnds ends(const Description& d, int) {
   return {.closed = d.outline == ParticleOutline::closed};
 }
 
-/// What keeps particles from being a closed outline.
+/// Returns the reasons why the particles are no closed outline.
 std::vector<Complaint> outline_complaints(const Description& d, int dimension) {
   const auto refused = [](FaultCode code, std::string why, std::string admissible = "") {
     return std::vector<Complaint>{

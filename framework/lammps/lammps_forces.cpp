@@ -19,7 +19,7 @@
 #include "framework/core/text/axis_names.hpp"
 #include "framework/lammps/lammps_terms.hpp"
 
-/// What each force is in LAMMPS. Its own conventions: a bond's K is half a stiffness; `fix
+/// Forces in terms of LAMMPS. Its own conventions: a bond's K is half a stiffness; `fix
 /// addforce` with atom-style variables adds any force that is a formula of the coordinates, and its
 /// energy.
 namespace tomlin {
@@ -49,7 +49,7 @@ std::string title_of(const SceneForce& force) {
 
 std::string n(double number) { return lammps_number(number); }
 
-/// The same within a formula.
+/// A number within a formula.
 std::string in_formula(double number) { return number < 0.0 ? "(" + n(number) + ")" : n(number); }
 
 // ---- between pairs

@@ -110,7 +110,7 @@ struct LammpsStart {
   std::vector<double> velocity;
 };
 
-/// As the scene starts: velocities of a temperature are drawn.
+/// State at the scene's start: velocities of a temperature are drawn.
 LammpsStart start_of(Model& model, std::size_t atoms) {
   StateLayout layout;
   model.declare(layout);

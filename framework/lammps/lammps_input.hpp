@@ -25,7 +25,7 @@ inline constexpr LammpsUnits kLammpsReduced{"lj", 1.0, 1.0};
 /// divided by them accelerations and noise there are those of the engine.
 inline constexpr LammpsUnits kLammpsMetal{"metal", 1.0364269e-4, 8.617343e-5};
 
-/// Those of a scene.
+/// Style of units of LAMMPS for a scene.
 LammpsUnits lammps_units(const Scene& scene);
 
 struct LammpsFile {

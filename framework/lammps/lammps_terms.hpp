@@ -58,7 +58,7 @@ struct LammpsAtoms {
   std::size_t count = 0;
 };
 
-/// What the forces of a scene become in LAMMPS, collected while they are translated.
+/// Counterparts of a scene's forces in LAMMPS, collected while they are translated.
 struct LammpsTerms {
   const Model& model;
   const LammpsUnits& units;
@@ -71,7 +71,7 @@ struct LammpsTerms {
   std::vector<std::string> commands = {};  ///< variables and fixes, with comments
   std::vector<std::string> columns = {};   ///< of the table that is printed
   std::vector<LammpsFile> files = {};
-  // What the commands read: the time, where particles are, where they started.
+  // The commands read these: the time, positions of particles, positions at the start.
   bool uses_time = false;
   bool uses_places = false;
   bool uses_starts = false;
@@ -86,11 +86,11 @@ void add_lammps_force(const SceneForce& force, LammpsTerms& terms);
 std::string lammps_group(std::size_t body);
 /// With the digits that it takes to read the same bits back.
 std::string lammps_number(double number);
-/// Of a comment: without what LAMMPS looks for even there, quotes in triples and a final "&".
+/// Text of a comment without quotes in triples and a final "&", which LAMMPS looks for even there.
 std::string lammps_comment(const std::string& text);
 /// Coordinates as formulas name them, through the sides of a periodic box.
 std::string lammps_coordinate(LammpsTerms& terms, int axis);
-/// The same of where the particle started.
+/// Starting coordinates as formulas name them, through the sides of a periodic box.
 std::string lammps_start(LammpsTerms& terms, int axis);
 
 }  // namespace tomlin

@@ -36,7 +36,7 @@ inline std::string release_of(const std::string& program_version) {
   return program_version.substr(0, program_version.find('+'));
 }
 
-/// What stands for a scene's text in a checkpoint; where its plugins lie does not matter.
+/// Fingerprint of a scene's text in a checkpoint; the folder of its plugins does not matter.
 std::uint64_t scene_fingerprint(std::string_view effective_toml);
 
 /// Replaces the checkpoint of this name, whole or not at all. Throws OutputError.
@@ -46,7 +46,7 @@ void write_checkpoint(const std::filesystem::path& file, const Checkpoint& check
 /// Throws DamagedFile with the reason; takes no more memory than the file does.
 Checkpoint read_checkpoint(const std::filesystem::path& file);
 
-/// The same for what stands in a file; `file` is for messages.
+/// Reads the contents of a checkpoint file; `file` is for messages.
 Checkpoint parse_checkpoint(const std::string& file, std::span<const std::byte> bytes);
 
 }  // namespace tomlin

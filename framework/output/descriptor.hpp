@@ -34,7 +34,7 @@ class Descriptor {
 
 /// Writes all of it. 0, or the reason why not.
 int write_all(const Descriptor& file, std::span<const std::byte> bytes);
-/// The same from `at` on, wherever the file ends.
+/// Writes all of it from `at` on, wherever the file ends. 0, or the reason why not.
 int write_at(const Descriptor& file, std::span<const std::byte> bytes, std::size_t at);
 /// Reads as much as there is from `at` on, up to the size of `bytes`. The number of bytes that were
 /// read, or minus the reason why it cannot be done.

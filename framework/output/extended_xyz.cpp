@@ -35,7 +35,7 @@ std::string lattice_of(const TrajectoryBox& box) {
   return (box.any() ? "Lattice=\"" + cells + "\" " : "") + "pbc=\"" + periodic + "\"";
 }
 
-/// Of each frame, as far as it is always the same.
+/// Head of each frame, as far as it is always the same.
 std::string head_of(const RunLayout& layout, const TrajectoryFacts& facts) {
   std::string bodies;
   for (const TrajectoryBody& body : layout.bodies) {

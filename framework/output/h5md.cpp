@@ -9,7 +9,7 @@
 namespace tomlin {
 namespace {
 
-/// What readers' caches hold by default, and large enough that few pieces make up a long run.
+/// Readers' caches hold this by default; it is so large that few pieces make up a long run.
 constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
 
 constexpr const char* kUnknownAuthor = "unknown";
@@ -24,7 +24,7 @@ hid_t file_type() {
   return std::is_same_v<Number, double> ? H5T_IEEE_F64LE : H5T_STD_I64LE;
 }
 
-/// What a file is made of besides series, in the library's words.
+/// Makes the parts of a file other than series, by calls of the library.
 class Builder {
  public:
   explicit Builder(const Hdf5File& file) : file_(file) {}
@@ -35,7 +35,7 @@ class Builder {
     return file_.hold(H5Gcreate2(above, name, H5P_DEFAULT, properties, H5P_DEFAULT));
   }
 
-  /// Of the same length each, padded with zeros.
+  /// Writes a text of fixed length, padded with zeros.
   void text(hid_t object, const char* name, std::string_view value) const {
     const Hdf5Handle type = text_type(value.size());
     const std::string padded(value.empty() ? std::string(1, '\0') : std::string(value));
@@ -49,7 +49,7 @@ class Builder {
     attribute(object, name, simple({values.size()}), type, type, block.data());
   }
 
-  /// As the module "units" wants it.
+  /// Writes a text as the module "units" wants it.
   void text_of_any_length(hid_t object, const char* name, const std::string& value) const {
     const Hdf5Handle type = file_.hold(H5Tcopy(H5T_C_S1));
     file_.check(H5Tset_size(type, H5T_VARIABLE));
@@ -140,7 +140,7 @@ std::vector<std::string> names_of_species(const RunLayout& layout) {
   return names;
 }
 
-/// What a dataset's numbers are: their dimension and, where it has a symbol, their unit.
+/// Describes a dataset's numbers: their dimension and, where it has a symbol, their unit.
 void describe_numbers(const Builder& build, hid_t dataset, const NumbersOfDataset& numbers) {
   if (numbers.dimension == dimension::none) return;
   build.text(dataset, "dimension", to_string(numbers.dimension));

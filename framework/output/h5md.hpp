@@ -12,7 +12,7 @@
 
 namespace tomlin {
 
-/// What the numbers of a dataset are.
+/// Dimension and units of the numbers of a dataset.
 struct NumbersOfDataset {
   Dimension dimension;
   UnitSystem units = UnitSystem::reduced;

@@ -147,10 +147,10 @@ Hdf5File::Hdf5File(const std::filesystem::path& file, Order order)
   const Hdf5Handle access = hold(H5Pcreate(H5P_FILE_ACCESS));
   Disk* const disk = &disk_;
   check(H5Pset_driver(access, driver_, &disk));
-  // What every HDF5 of this decade reads.
+  // Every HDF5 of this decade reads this version.
   check(H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18));
   const Hdf5Handle creation = hold(H5Pcreate(H5P_FILE_CREATE));
-  // The same run leaves the same bytes, whenever it was.
+  // Equal runs leave the same bytes, whenever they are made.
   check(H5Pset_obj_track_times(creation, false));
   if (order == Order::as_made) {
     constexpr unsigned kAsMade = H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED;

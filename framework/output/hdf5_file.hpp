@@ -86,7 +86,7 @@ class Hdf5File {
     if (returned < 0 || disk_.trouble) fail();
     return returned;
   }
-  /// The same for what has to be closed again.
+  /// Checks a handle that has to be closed again.
   Hdf5Handle hold(hid_t id) const {
     Hdf5Handle handle(id);
     check(id);
@@ -96,7 +96,7 @@ class Hdf5File {
   /// All handles of the file are closed: it is complete and gets its name. Throws OutputError.
   void publish();
 
-  /// What the driver works on.
+  /// Data that the driver works on.
   struct Disk {
     OutputFile output;
     std::optional<std::string> trouble;  ///< the first

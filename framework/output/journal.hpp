@@ -21,7 +21,7 @@
 /// checkpoint, which knows how far the journal had come.
 namespace tomlin {
 
-/// What the journal says of its run.
+/// The journal's data on its run.
 struct JournalHeader {
   std::string program_version;
   std::string scene;  ///< the effective scene
@@ -75,7 +75,7 @@ class JournalWriter {
   std::uint64_t events() const { return events_; }
   /// Writes out what has come so far and says how far that is.
   JournalMark flush();
-  /// What was flushed outlives a power cut.
+  /// Makes flushed rows outlive a power cut.
   void synchronise();
 
  private:

@@ -8,7 +8,7 @@
 namespace tomlin {
 namespace {
 
-/// As the system calls it.
+/// Name of the processor, as the system gives it.
 std::string processor_name() {
   std::ifstream file("/proc/cpuinfo");
   for (std::string line; std::getline(file, line);) {

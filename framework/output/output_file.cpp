@@ -17,7 +17,7 @@ namespace {
 /// writing it.
 int remove_left(const std::filesystem::path& file) {
   const Descriptor left(::open(file.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
-  // What cannot be opened, a link say, nobody is writing.
+  // A file that cannot be opened, a link say, has no writer.
   if (left.open()) {
     if (lock(left) == LockOutcome::held) return EBUSY;
     if (!is_at(left, file)) return 0;  // somebody else has taken it away

@@ -20,7 +20,7 @@ class OutputError : public std::runtime_error {
   OutputError(const std::filesystem::path& file, int error);
 };
 
-/// What stands behind a file's name until the file is complete.
+/// Suffix of a file's name until the file is complete.
 inline constexpr std::string_view kUnfinished = ".part";
 
 /// The name of a file that is not complete.
@@ -46,9 +46,9 @@ class OutputFile {
   /// Not buffered.
   void append(std::string_view text);
   void append(std::span<const std::byte> bytes);
-  /// The same anywhere in the file; what lies before it and was never written is zero.
+  /// Writes anywhere in the file; bytes before that were never written are zero.
   void write_at(std::uint64_t place, std::span<const std::byte> bytes);
-  /// What was written there; zeros behind the end.
+  /// Reads what was written there; zeros behind the end.
   void read_at(std::uint64_t place, std::span<std::byte> bytes) const;
   void resize(std::uint64_t size);
   /// Gives the file its name, replacing one that has it.

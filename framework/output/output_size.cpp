@@ -21,11 +21,11 @@ namespace tomlin {
 namespace fs = std::filesystem;
 namespace {
 
-/// Of stat(), whatever the file system's are.
+/// Unit of block counts of stat() in bytes, whatever the file system's are.
 constexpr double kBlock = 512.0;
-/// Of the room: the rest is for folders and blocks that are not full.
+/// Usable part of the room: the rest is for folders and blocks that are not full.
 constexpr double kFillable = 0.99;
-/// What stands around the state in a checkpoint: version, fingerprint, libraries.
+/// Bytes around the state in a checkpoint: version, fingerprint, libraries.
 constexpr double kAroundState = 4096.0;
 
 /// To three digits; what is one of them but for rounding stays.

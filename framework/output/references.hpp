@@ -6,7 +6,7 @@
 #include "framework/run/run.hpp"
 #include "framework/scene/scene.hpp"
 
-/// What to cite for a run.
+/// Works to cite for a run.
 namespace tomlin {
 
 struct CitedWork {

@@ -25,7 +25,7 @@ constexpr const char* kStartAgain = "--force, which starts again from the beginn
                admissible.empty() ? kStartAgain : std::move(admissible));
 }
 
-/// Where a file is damaged: its message names it already.
+/// Refuses a damaged file: its message names it already.
 [[noreturn]] void refuse(const DamagedFile& damage) {
   refuse_input(FaultCode::file_damaged, "--resume", "", damage.what(), kStartAgain);
 }
@@ -84,7 +84,7 @@ void require_same_scene_file(const RunFolder& folder, const Scene& scene) {
   require_same_scene(path, text_of(path), scene);
 }
 
-/// What the summary says, as far as it matters here.
+/// Entries of the summary that matter here.
 struct Ended {
   std::optional<RunStatus> status;  ///< nothing: there is no summary
   std::string failure;
@@ -131,7 +131,7 @@ Resumption without_checkpoint(const RunFolder& folder, JournalReader& journal, D
   try {
     journal.play(ignored);
   } catch (const TruncatedFile&) {
-    // What was being written when the run was killed.
+    // The rest was being written when the run was killed.
   }
   const JournalMark& mark = journal.mark();
   if (ended.status == RunStatus::interrupted) {

@@ -12,7 +12,7 @@
 
 namespace tomlin {
 
-/// What a run can begin with.
+/// Ways in which a run can begin.
 struct Resumption {
   enum class Kind {
     from_start,  ///< nothing is there yet, or nothing that must be kept
@@ -28,14 +28,14 @@ struct Resumption {
   std::string failure;           ///< what a failed run said
 };
 
-/// What is there to begin with in a folder, for --resume. Touches nothing. Throws InputError, with
-/// what differs, where what the folder holds is damaged, incomplete, of another scene or of another
-/// version of the program.
+/// Finds out how a run can begin in a folder, for --resume. Touches nothing. Throws InputError,
+/// with the difference, where what the folder holds is damaged, incomplete, of another scene or of
+/// another version of the program.
 Resumption find_resumption(const RunFolder& folder, const Scene& scene,
                            const std::string& program_version);
 
-/// Where the checkpoint in a folder, or the summary of a run that is over, says that the run was
-/// begun with plugins of other content than these, throws InputError with what both are.
+/// Throws InputError with both contents if the checkpoint in a folder, or the summary of a run that
+/// is over, reports that the run was begun with plugins of other content than these.
 void require_same_libraries(const std::filesystem::path& folder,
                             const std::vector<Library>& libraries);
 

@@ -75,7 +75,7 @@ RunFolder::~RunFolder() {
   struct stat status = {};
   if ((only_locked_ || !written_) && lock_.open() && ::fstat(lock_.number(), &status) == 0 &&
       status.st_size == 0 && in_place()) {
-    // What was found before the run began is of no use without it.
+    // Results from before the run began are of no use without it.
     for (const char* name : {kStoreFile, kJournalFile}) ::unlink(file(name).c_str());
   }
   lock_file_.release();
@@ -240,7 +240,7 @@ void RunFolder::require_in_place() const {
 
 void RunFolder::remove_results() {
   for (const char* name : kResultFiles) remove(name);
-  // What a killed run left would be in the way of the same files.
+  // Unfinished files of a killed run would be in the way of the same files.
   for (const char* name : kFilesOfARun) remove(unfinished(name).string());
 }
 

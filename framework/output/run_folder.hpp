@@ -23,7 +23,7 @@ inline constexpr const char* kCheckpointFile = "run.checkpoint";
 inline constexpr const char* kJournalFile = "run.journal";
 inline constexpr const char* kStoreFile = "run.store";
 
-/// What a run has found, made when it ends. The summary goes first and comes last: where it is,
+/// Results of a run, made when it ends. The summary goes first and comes last: where it is,
 /// everything else belongs to it.
 inline constexpr std::array kResultFiles = {kSummaryFile, kTableFile, kEventsFile, kH5mdFile,
                                             kXyzFile};
@@ -33,7 +33,7 @@ inline constexpr std::array kFilesOfARun = {kSummaryFile,    kTableFile,   kEven
                                             kH5mdFile,       kXyzFile,     kSceneFile,
                                             kCheckpointFile, kJournalFile, kStoreFile};
 
-/// What to do with a folder that has something in it.
+/// Treatment of a folder that has something in it.
 enum class Occupied {
   refuse,
   replace_results,  ///< replace the files of a run, touch nothing else
@@ -60,7 +60,7 @@ class RunFolder {
   /// is its journal, locked, or not open where there is none; then it is made. Throws InputError
   /// when another program has the folder, or has put something there since it was looked at.
   void own(Descriptor& journal);
-  /// The same for a study, whose journal is a lock and nothing else: it never outlives the study.
+  /// Owns the folder of a study, whose journal is only a lock: it never outlives the study.
   void own();
   /// Whether the folder that is owned still has its name: it may have been moved away, and another
   /// been made.

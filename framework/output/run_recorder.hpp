@@ -24,8 +24,8 @@ namespace tomlin {
 /// known can still be said; the last checkpoint stays.
 class RunRecorder : public RunSink {
  public:
-  /// Of an owned folder. Nothing is touched before begin(). `on_trouble` is called when something
-  /// cannot be written.
+  /// Records into an owned folder. Nothing is touched before begin(). `on_trouble` is called when
+  /// something cannot be written.
   RunRecorder(RunFolder& folder, const Scene& scene, std::string program_version,
               Resumption resumption, std::function<void()> on_trouble,
               std::uint64_t most_events = kMostEvents);

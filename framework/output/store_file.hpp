@@ -21,7 +21,7 @@ class StoreFile : public RunStore {
 
   StoreFile(const RunFolder& folder, const Scene& scene, const std::string& program_version,
             Before before);
-  /// The same in any file: only what the same owner has kept there is read.
+  /// Keeps the store in any file: only what the same owner has kept there is read.
   StoreFile(std::filesystem::path file, std::string owner, Before before);
 
   std::vector<std::byte> kept(const std::string& name) const override;

@@ -92,7 +92,7 @@ Json determined_entry(const DeterminedResult& found) {
           {"max", number(found.max)}};
 }
 
-/// Of the layout of a summary: another one when a key goes or means something else.
+/// Version of the layout of a summary: another one when a key goes or means something else.
 constexpr int kSummaryFormat = 1;
 
 Json program_entry() {

@@ -7,7 +7,7 @@
 
 namespace tomlin {
 
-/// What summary.json says of a run: one JSON object, with vectors as lists by axis, null for what
+/// Text of summary.json for a run: one JSON object, with vectors as lists by axis, null for what
 /// is undefined, and numbers that read back as the same bits.
 std::string summary_json(const Scene& scene, const RunResult& result);
 

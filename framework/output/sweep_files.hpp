@@ -2,7 +2,7 @@
 
 namespace tomlin {
 
-// What a sweep leaves in its folder, besides kSceneFile.
+// Files of a sweep in its folder, besides kSceneFile.
 inline constexpr const char* kSweepTableFile = "sweep.csv";
 inline constexpr const char* kSweepArraysFile = "sweep.h5";
 inline constexpr const char* kSweepSummaryFile = "sweep.json";

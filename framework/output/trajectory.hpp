@@ -13,7 +13,7 @@
 
 namespace tomlin {
 
-/// What a trajectory says of the run that it comes from.
+/// Data of a trajectory on the run that it comes from.
 struct TrajectoryFacts {
   std::string name;    ///< of the scene; may be empty
   std::string source;  ///< the same
@@ -48,7 +48,7 @@ class TrajectoryWriter {
   std::size_t frames_ = 0;
 };
 
-/// Of the file in the folder of a run.
+/// Name of the file in the folder of a run.
 const char* trajectory_file_name(TrajectoryFormat format);
 
 /// The layout has bodies.
@@ -77,7 +77,7 @@ class TrajectoryFile : public ResultFile {
 /// The species of particles that have none, for programs of the field: "not an element".
 inline constexpr const char* kNoSpecies = "X";
 
-/// Of a particle of a body, by its name.
+/// Species of a particle of a body, by its name.
 inline const std::string& species_name(const RunLayout& layout, const TrajectoryBody& body,
                                        std::size_t particle) {
   static const std::string none = kNoSpecies;

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-/// What the program and a shared library with components agree on before either knows the other.
+/// The program and a shared library with components agree on this before either knows the other.
 ///
 /// A plugin links libtomlin_core into itself, hidden, and takes nothing from the program but the
 /// Registry that it is handed: it resolves no symbol of the program's, so that the program exports

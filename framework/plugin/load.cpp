@@ -43,7 +43,7 @@ bool holds(const std::vector<std::string>& types, NumberType type) {
   return std::find(types.begin(), types.end(), to_string(type)) != types.end();
 }
 
-/// What the library has no kernels for cannot be run.
+/// Forces cannot be run in a number type for which the library has no kernels.
 template <class Record>
 void keep_number_types(Record& record, const std::vector<std::string>& types) {
   if constexpr (requires { record.bind; }) {

@@ -19,7 +19,7 @@ struct PluginRequest {
   bool everywhere = false;     ///< see Library
 };
 
-/// What stands in a library's file, or why it cannot be loaded. Nothing of it is run.
+/// Contents of a library's file, or the reason why it cannot be loaded. Nothing of it is run.
 struct PluginFile {
   std::string hash;  ///< of its content, where it could be read
   std::vector<std::string> number_types;

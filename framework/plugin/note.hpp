@@ -7,7 +7,7 @@
 
 namespace tomlin {
 
-/// What a build says of itself, in a plugin's note or in the program.
+/// Description of a build, in a plugin's note or in the program.
 struct PluginNote {
   int api = 0;                            ///< TOMLIN_PLUGIN_API
   std::string release;                    ///< of tomlin

@@ -5,7 +5,7 @@
 #include "framework/plugin/border.hpp"  // made by CMake: TOMLIN_BORDER, TOMLIN_RELEASE
 #include "framework/plugin/entry.hpp"
 
-// What a build says of itself in its note, as literals: `key=value` between semicolons. Macros,
+// A build describes itself in its note by literals: `key=value` between semicolons. Macros,
 // because the note is put together by the preprocessor (cmake/plugin_note.cpp.in).
 
 #define TOMLIN_TEXT_(x) #x

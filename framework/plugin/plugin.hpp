@@ -11,7 +11,7 @@
 #include "framework/core/records/registry.hpp"
 #include "framework/plugin/entry.hpp"
 
-/// What the source file of a plugin includes. Once in the library:
+/// The source file of a plugin includes this. Once in the library:
 ///
 ///   TOMLIN_PLUGIN(registry) { registry.add(tomlin::morse_record()); }
 ///

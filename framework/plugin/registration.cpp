@@ -28,7 +28,7 @@ namespace {
 
 constexpr std::size_t kLongestMessage = 1024;
 
-/// What the system says of loading, without the path in front: that stands in the message already.
+/// Message of the system on loading, without the path in front, which the message has already.
 std::string loader_message(const std::filesystem::path& library) {
   const char* said = ::dlerror();
   std::string message = said == nullptr ? "it cannot be loaded" : said;
@@ -107,7 +107,7 @@ bool is_empty(const Registry& registry) {
   ::_exit(written == static_cast<ssize_t>(message.size()) ? 0 : 1);
 }
 
-/// What the child says before it ends or its time is up; nothing where it says nothing.
+/// Reads the child's answer until it ends or its time is up; empty where there is none.
 std::string answer_of(int answers, std::chrono::steady_clock::time_point until) {
   std::string answer;
   std::array<char, 512> bytes{};

@@ -14,7 +14,7 @@ std::string register_components(const std::filesystem::path& library, Registry& 
 /// How long a library may take to register, in seconds; some need milliseconds.
 inline constexpr double kLongestRegistration = 10.0;
 
-/// The same in a child process, where a crash, an endless loop or a call of exit() does no harm.
+/// Registers in a child process, where a crash, an endless loop or a call of exit() does no harm.
 std::string probe_registration(const std::filesystem::path& library,
                                double seconds = kLongestRegistration);
 

@@ -41,7 +41,7 @@ bool says_nothing(const ParameterValue& value) {
   return text ? text->empty() : !to_node(value);
 }
 
-/// What the description says now stands in the effective scene.
+/// Brings the effective scene up to date with the description.
 template <class Record>
 void update_effective(ComponentDraft<Record>& component) {
   TableReading& reading = component.reading;
@@ -68,7 +68,7 @@ void update_effective(ComponentDraft<Record>& component) {
   reading.effective = std::move(effective);
 }
 
-/// What comes from a file is in the scene's units, as keys are.
+/// Converts numbers from a file, which are in the scene's units, as keys are.
 template <class Record>
 void convert_fetched(ComponentDraft<Record>& component) {
   const TableReading& reading = component.reading;
@@ -99,7 +99,7 @@ bool prepare(ComponentDraft<Record>& component, const std::filesystem::path& fol
   return complaints.empty();
 }
 
-/// What does not fit the scene's dimension or the bodies.
+/// Value that does not fit the scene's dimension or the bodies.
 struct WrongValue {
   FaultCode code;
   std::string why;
@@ -237,7 +237,7 @@ std::optional<WrongValue> wrong_for_body(const ParameterValue& value, const Body
       value);
 }
 
-/// The same for a component of several bodies; what a list would be one each of is not known.
+/// Checks a value for several bodies; what a list would have one entry for each of is not known.
 std::optional<WrongValue> wrong_for_bodies(const ParameterValue& value,
                                            const std::vector<const BodyDraft*>& bodies) {
   if (bodies.size() == 1) return wrong_for_body(value, *bodies.front());
@@ -261,7 +261,7 @@ bool check_values(const TableReading& reading, std::optional<int> dimension,
   return sound;
 }
 
-/// Of these bodies those whose particles could be counted, if all could; else none.
+/// Returns these bodies if the particles of all could be counted; else none.
 std::vector<const BodyDraft*> counted_bodies(const std::vector<std::size_t>& indices,
                                              const std::vector<BodyDraft>& bodies) {
   std::vector<const BodyDraft*> counted;
@@ -302,7 +302,7 @@ std::vector<std::string> species_of(const BodyDraft& body) {
   return species;
 }
 
-/// What there is to know of these bodies; nothing when one of them is unfit or was not found.
+/// Outline of these bodies; nothing when one of them is not valid or was not found.
 std::optional<SceneOutline> outline_for(const std::vector<std::size_t>& indices,
                                         const std::vector<BodyDraft>& bodies,
                                         const std::vector<bool>& closed,
@@ -325,7 +325,7 @@ bool is_fault(const Complaint& complaint) {
   return kind_of(complaint.code).severity == Severity::error;
 }
 
-/// What the record finds; of parameters that differ between particles for the first at fault.
+/// Complaints of the record; if parameters differ between particles, for the first at fault.
 std::vector<Complaint> complaints_of_each(const ForceDraft& force, const SceneOutline& outline) {
   void* const description = force.description.get();
   const std::vector<Variation> variations = variations_of(force);

@@ -70,7 +70,7 @@ void check_forces(std::vector<ForceDraft>& forces, const std::vector<BodyDraft>&
 void check_observers(std::vector<ObserverDraft>& observers, const std::vector<BodyDraft>& bodies,
                      const BoxSettings* box, std::optional<int> dimension, FaultList& faults);
 
-/// What `look` finds wrong with a component's values. When the code of a plugin throws instead,
+/// Complaints by `look` about a component's values. When the code of a plugin throws instead,
 /// that is the complaint, about the type that brought it in.
 template <class Look>
 std::vector<Complaint> complaints_of(const ComponentRecord& record, Look look) {
@@ -90,7 +90,7 @@ std::vector<Complaint> complaints_of(const ComponentRecord& record, Look look) {
   }
 }
 
-/// What a record found when it held a component's keys against each other.
+/// Reports what a record found when it compared a component's keys with each other.
 void report(const std::vector<Complaint>& complaints, const TableReading& reading,
             FaultList& faults);
 

@@ -234,7 +234,7 @@ void read_bodies_of(SceneDraft& draft, Component& component, const SceneSection&
   component.bodies.clear();
 }
 
-/// What forces and bodies say particle by particle, once these are counted.
+/// Reads values that forces and bodies give particle by particle, once these are counted.
 template <class Component>
 void read_particle_values(const SceneDraft& draft, Component& component,
                           std::optional<std::int64_t> count) {

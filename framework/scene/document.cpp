@@ -20,7 +20,7 @@
 namespace tomlin {
 namespace {
 
-// As the TOML library does; its columns do not count the mark.
+// The TOML library does so, too; its columns do not count the mark.
 std::string_view without_byte_order_mark(std::string_view text) {
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   return text;

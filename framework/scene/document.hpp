@@ -26,7 +26,7 @@ struct TextPlace {
   std::uint32_t column = 0;
 };
 
-/// Where a key or a value stands: in the file, or in the n-th `--set` (setting = n, from 1).
+/// Position of a key or a value: in the file, or in the n-th `--set` (setting = n, from 1).
 struct Extent {
   TextPlace begin;
   TextPlace end;
@@ -95,11 +95,11 @@ std::size_t parsed_documents();
 /// The value of the n-th `--set`: a TOML value, or else text. Never fails.
 Node parse_setting(std::string_view text, std::uint32_t setting);
 
-/// What is wrong with a `--set` that begins as a list, a table or a string in quotes and is none,
-/// so that it would be taken for plain text. Its place means nothing.
+/// Fault of a `--set` that begins as a list, a table or a string in quotes and is none,
+/// so that it would be taken for plain text. Its position means nothing.
 std::optional<Fault> explain_setting(std::string_view text);
 
-/// What was written, for messages.
+/// Text and settings as they were written, for messages.
 class Source {
  public:
   /// Text and settings must outlive the source.
@@ -108,9 +108,9 @@ class Source {
   Place place(const Extent& extent) const;
   /// On one line and shortened to fit a message.
   std::string written(const Extent& extent) const;
-  /// As it stands in the text, or in the setting.
+  /// The extent as the text, or the setting, has it.
   std::string_view slice(const Extent& extent) const;
-  /// Where a byte of a string's contents stands; the string's own place where escapes hide it.
+  /// Position of a byte of a string's contents; that of the string where escapes hide it.
   Place place_inside(const Node& text, std::size_t byte) const;
 
  private:
@@ -119,7 +119,7 @@ class Source {
   std::string file_;
   std::string_view text_;
   const std::vector<Setting>& settings_;
-  // Where the last search ended: faults come mostly in order, and lines may be megabytes long.
+  // The last search ended here: faults come mostly in order, and lines may be megabytes long.
   mutable TextPlace last_mark_{1, 1};
   mutable std::size_t last_offset_ = 0;
 };

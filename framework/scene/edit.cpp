@@ -34,7 +34,7 @@ class Edit {
     throw InputError({Fault(code, {file_}, setting_->path, setting_->value, std::move(why))});
   }
 
-  /// Where an extent begins in the text, and where it ends.
+  /// Indices in the text at which an extent begins and ends.
   std::pair<std::size_t, std::size_t> span(const Extent& extent) const {
     const Source source(file_, text_, no_settings_);
     const std::string_view slice = source.slice(extent);

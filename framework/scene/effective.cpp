@@ -218,7 +218,7 @@ std::string value_text(const Node& value) {
 
 std::string to_toml(const Table& document) {
   std::string text;
-  // What is in no table comes first.
+  // Values outside of tables come first.
   for (const Entry& entry : document.entries) {
     if (entry.value.as<Table>() || is_list_of_tables(entry.value)) continue;
     text += key_text(entry.key) + " = " + value_text(entry.value) + '\n';

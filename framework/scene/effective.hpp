@@ -12,7 +12,7 @@ namespace tomlin {
 /// A default as it would stand in a scene; nothing for an empty value.
 std::optional<Node> to_node(const ParameterValue& value);
 
-/// As it stands behind "key = ", on one line.
+/// Text of a value behind "key = ", on one line.
 std::string value_text(const Node& value);
 
 /// Values first, tables as [name], lists of tables as [[name]], all else in one line per key.

@@ -11,7 +11,7 @@
 
 namespace tomlin {
 
-/// What is wrong with one place of a scene.
+/// Fault at one position of a scene.
 struct Wrong {
   Wrong(FaultCode code_of_fault, std::string path, std::string what_is_wrong,
         std::string what_would_be_right = "", std::string nearest_name = "")

@@ -75,7 +75,7 @@ class FreedomCheck {
     }
   }
 
-  /// Of a body that rotates about two axes fixed in space there are no equations of motion here.
+  /// No equations of motion exist here for a body that rotates about two axes fixed in space.
   void check_axes_of_rotation() {
     const auto held = std::count_if(body_.hold.begin(), body_.hold.end(), [](const auto& name) {
       return name.starts_with(kRotation) && name != kRotation;

@@ -1,4 +1,4 @@
-// What stands above the components: plugins, parameters, the heading and the box.
+// Readers of all above the components: plugins, parameters, the heading and the box.
 
 #include <algorithm>
 #include <cstdint>

@@ -14,7 +14,7 @@
 namespace tomlin {
 namespace {
 
-/// Those that the build has kernels for (TOMLIN_NUMBER_TYPES in cmake/TomlinKernels.cmake).
+/// Number types that the build has kernels for (TOMLIN_NUMBER_TYPES in cmake/TomlinKernels.cmake).
 std::vector<std::string> compiled_number_types() {
   std::vector<std::string> types = {to_string(NumberType::double_precision)};
 #if !defined(TOMLIN_WITHOUT_QUAD)

@@ -16,7 +16,7 @@ struct OwnKey {
   std::string doc;
 };
 
-/// What one table of a scene takes.
+/// Keys that one table of a scene takes.
 struct TableLayout {
   std::vector<OwnKey> own_keys;
   std::vector<Parameter> rows;
@@ -37,7 +37,7 @@ TableLayout box_layout();
 /// With `until` a scene need not say how long it runs.
 TableLayout run_layout(bool until = false);
 TableLayout until_layout();
-/// Where `of` or `error` is in it.
+/// Layout of `until` with `of` or `error` in it.
 TableLayout until_error_layout();
 TableLayout perturb_layout();
 TableLayout measure_layout();

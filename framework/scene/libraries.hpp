@@ -19,7 +19,7 @@ struct NamedLibrary {
   Place place;
 };
 
-/// Those of a document; what is no name of a file is reported.
+/// Libraries of a document; an entry that is no name of a file is reported.
 std::vector<NamedLibrary> named_libraries(const Table& document, const std::string& file,
                                           const Source& source, FaultList& faults);
 

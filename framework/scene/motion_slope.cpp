@@ -46,7 +46,7 @@ Slope call(ExpressionFunction::Id id, std::span<const Slope> arguments) {
   const Slope& a = arguments[0];
   const double x = a.value;
   const auto chain = [&a](double value, double slope) {
-    // What does not depend on time has no slope, also where the function has none.
+    // A value that does not depend on time has no slope, also where the function has none.
     return Slope{value, a.slope == 0.0 ? 0.0 : slope * a.slope};
   };
   const bool turns_too_far = !(std::abs(x) < kLargestAngle);

@@ -17,7 +17,7 @@ constexpr std::size_t kMostSuggestions = 200;
 // Keeps the message of a long cycle on a screen.
 constexpr std::size_t kLongestCycleShown = 12;
 
-/// Of particles, in expressions.
+/// Name of the number of particles in expressions.
 constexpr std::string_view kCount = "count";
 
 std::string in_quotes(std::string_view text) {
@@ -214,7 +214,7 @@ void ParameterTable::compute(std::size_t index) {
     fault(index, ParameterFault::Part::value, *error);
   } else {
     const Expression& expression = std::get<Expression>(entry.source);
-    // What lacks a value has its own fault, or is part of a cycle.
+    // A name that lacks a value has its own fault, or is part of a cycle.
     const auto& names = expression.names();
     const bool ready = std::all_of(names.begin(), names.end(), [this](const auto& used) {
       return value(used.name).has_value();

@@ -1,4 +1,4 @@
-// What a run is to give: `[measure]`, the window over which means are taken, and `[output]`.
+// Readers of the requested results: `[measure]`, the window for means, and `[output]`.
 
 #include <algorithm>
 

@@ -243,7 +243,7 @@ struct Setting {
 std::shared_ptr<const Scene> read_scene(const std::string& file, const Registry& registry,
                                         const std::vector<Setting>& settings = {});
 
-/// The same for text; `file` stands in messages.
+/// Reads and checks a text; `file` is the name in messages.
 std::shared_ptr<const Scene> parse_scene(std::string_view text, const std::string& file,
                                          const Registry& registry,
                                          const std::vector<Setting>& settings = {});

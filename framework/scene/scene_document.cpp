@@ -94,7 +94,7 @@ std::shared_ptr<const Scene> SceneDocument::read(const Registry& registry,
     apply_settings(settings, changed, faults);
   }
   const Table& document = settings.empty() ? *contents_ : changed;
-  // What comes next evaluates them.
+  // The reading that follows evaluates them.
   if (!check_expressions(document, faults)) faults.throw_if_any();
   auto scene = read_document(document, file_, source, registry, faults, text);
   texts.accept();

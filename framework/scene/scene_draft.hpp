@@ -86,7 +86,7 @@ std::optional<Node> read_integrator(SceneDraft& draft, const SceneSection& run);
 void read_measure(SceneDraft& draft);
 void read_output(SceneDraft& draft);
 
-/// Which of these names `type` is; nothing when it is none of them, and reported.
+/// Index of `type` among these names; nothing when it is none of them, which is reported.
 std::optional<std::size_t> read_type(SceneDraft& draft, const std::string& kind,
                                      const SceneSection& given, const std::string& path,
                                      const std::vector<std::string>& names);

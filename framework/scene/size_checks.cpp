@@ -41,7 +41,7 @@ class ExpressionText {
   std::size_t bytes_ = 0;
 };
 
-/// What tells the number of particles; empty where that is no key.
+/// Key that gives the number of particles; empty where that is no key.
 std::string count_key(const BodyDraft& body) {
   for (const char* key : {"count", "size", "cells", "length"}) {
     if (body.reading.has(key)) return key;

@@ -22,7 +22,7 @@ inline constexpr std::size_t kMostExpressionText = std::size_t{1} << 20;
 inline constexpr std::int64_t kMostParticles = 10'000'000;  ///< of a scene
 inline constexpr std::uint64_t kMostPairs = 50'000'000;     ///< of a scene
 
-// What a run takes for each, in bytes, as measured with double precision and rk4, and rounded; a
+// Bytes that a run takes for each, as measured with double precision and rk4, and rounded; a
 // multistage or adaptive scheme, quadruple precision and each force add to it.
 inline constexpr double kBytesPerParticle = 260.0;
 inline constexpr double kBytesPerCoordinate = 160.0;  ///< of each particle

@@ -12,14 +12,14 @@
 namespace tomlin {
 namespace {
 
-/// Of the span of the axis.
+/// Part of the span of the axis.
 constexpr double kWidthByDefault = 1e-4;
-/// Of the larger end of an axis: with far less, doubles would have no middle between them.
+/// Part of the larger end of an axis: with far less, doubles would have no middle between them.
 constexpr double kLeastWidth = 0x1p-45;
 /// A smooth curve loses most of its difference in so many halvings, a jump loses nothing.
 constexpr std::size_t kFewestRoundsOfAJump = 4;
 
-/// Of an axis of numbers.
+/// First and last number of a numeric axis.
 double first_number(const SweepAxis& axis) { return axis.values.number(0); }
 double last_number(const SweepAxis& axis) { return axis.values.number(axis.values.size() - 1); }
 

@@ -9,7 +9,7 @@
 
 namespace tomlin {
 
-/// Which points a sweep adds between those of its axes, by bisection along one of them: where an
+/// Points that a sweep adds between those of its axes, by bisection along one of them: where an
 /// observable crosses a level, or else where it jumps.
 struct SweepRefinement {
   std::optional<double> level;  ///< none: where it jumps
@@ -23,11 +23,11 @@ struct SweepRefinement {
   std::size_t rounds_between(double from, double to) const;
 };
 
-/// What is to be refined by, of "OBSERVABLE=LEVEL"; empty where nothing is.
+/// Observable by which to refine, from "OBSERVABLE=LEVEL"; empty where there is none.
 std::string refined_observable(const RefineSettings& refine);
 
-/// What `refine` and the keys beside it ask for; nothing where they do not or are wrong, for which
-/// faults are added.
+/// Refinement by `refine` and the keys beside it; nothing where there is none or they are wrong,
+/// for which faults are added.
 std::optional<SweepRefinement> sweep_refinement(const SweepSettings& settings,
                                                 const std::vector<SweepDimension>& dimensions,
                                                 std::vector<Fault>& faults);

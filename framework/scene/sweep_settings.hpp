@@ -33,13 +33,13 @@ class SweepValues {
 
   Spacing spacing() const { return spacing_; }
   std::size_t size() const { return count_; }
-  /// As `--set` takes it: a number with the digits that give back its bits, or what was written.
+  /// Value as `--set` takes it: a number with the digits that give back its bits, or as written.
   std::string text(std::size_t k) const;
   /// The value in one form, however it was written: a word without quotes, "0.001" for "1e-3".
   std::string plain_text(std::size_t k) const;
   /// All values are numbers, or expressions that no parameter is needed for.
   bool numeric() const { return numeric_; }
-  /// Of a numeric axis. Those inside of a grid are the doubles nearest to
+  /// Value of a numeric axis. Those inside of a grid are the doubles nearest to
   ///   linear       ((n - 1 - k) from + k to) / (n - 1)
   ///   logarithmic  exp(((n - 1 - k) log from + k log to) / (n - 1)).
   double number(std::size_t k) const;
@@ -83,7 +83,7 @@ struct SweepText {
   std::string key;  ///< for messages
 };
 
-/// Where points are added to those of the axes, as it was written; sweep_refinement() reads it.
+/// Points to be added to those of the axes, as it was written; sweep_refinement() reads it.
 struct RefineSettings {
   std::optional<SweepText> what;   ///< "OBSERVABLE" or "OBSERVABLE=LEVEL"
   std::optional<SweepText> along;  ///< an axis
@@ -130,7 +130,7 @@ std::optional<SweepSettings> sweep_settings(const Table& document, const Source&
 /// `[sweep] files` of a document: texts by names of files. What is none is left out.
 std::map<std::string, std::string> texts_of_files(const Table& document);
 
-/// The same for the sake of its faults, those of names that cannot be set included.
+/// Reports the faults of `[sweep]` alone, those of names that cannot be set included.
 void check_sweep(const Table& document, const Source& source, FaultList& faults);
 
 }  // namespace tomlin

@@ -13,7 +13,7 @@ namespace tomlin {
 void TableReading::complain(FaultList& faults, const std::string& key, Wrong wrong) const {
   wrong.key = key.empty() ? path : path + "." + key;
   const Node* value = given ? given->find(key) : nullptr;
-  // Of { particle = 3 } the 3 is meant, which may stand elsewhere (`--set`).
+  // A complaint about { particle = 3 } is about the 3, which may be given elsewhere (`--set`).
   while (value && value->as<Table>() && value->as<Table>()->entries.size() == 1) {
     const Entry& only = value->as<Table>()->entries.front();
     wrong.key += "." + only.key;

@@ -22,12 +22,12 @@ struct TableReading {
   Extent where;      ///< of the table
   const Table* given = nullptr;
   UnitSystem units = UnitSystem::reduced;  ///< of its numbers
-  /// Of the sound keys, defaults included; in the engine's units, as the description.
+  /// Values of the valid keys, defaults included; in the engine's units, as the description.
   std::map<std::string, ParameterValue> values;
   std::map<std::string, Place> places;  ///< of the keys that were given
   Table effective;    ///< what was given with every default filled in, in declared order
   bool sound = true;  ///< no fault among its rows
-  /// Of the rows that differ between particles: one value for each. `values` has what stands for
+  /// Values of rows that differ between particles: one for each. `values` has what stands for
   /// all.
   std::map<std::string, Variation> variations;
   /// Keys of such rows that wait until the particles are counted.

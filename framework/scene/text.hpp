@@ -17,7 +17,7 @@ inline constexpr std::size_t kMostShownNames = 30;        ///< of what is admiss
 /// On one line, at most so many bytes, "..." where something was cut. Always UTF-8.
 std::string shortened(std::string_view text, std::size_t most_bytes);
 
-/// As a TOML string with escapes, in double quotes.
+/// Returns a TOML string with escapes, in double quotes.
 std::string quoted_text(std::string_view text);
 
 /// A key as TOML writes it: bare, or quoted where it must be.

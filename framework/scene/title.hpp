@@ -8,7 +8,7 @@
 
 namespace tomlin {
 
-/// What a scene is called in texts, on one line: by its name, or else by its file.
+/// Title of a scene in texts, on one line: its name, or else that of its file.
 inline std::string title_of(const Scene& scene) {
   constexpr std::size_t kLongest = 200;  // bytes
   const std::string name =

@@ -581,7 +581,7 @@ std::optional<double> ValueReader::evaluated(const Subject& subject, const Node&
   return std::get<double>(result);
 }
 
-/// Where an index of particles has a value, for messages.
+/// Names the keys in which an index of particles has a value, for messages.
 std::string ValueReader::keys_of_particles() const {
   if (keys_of_particles_.empty() && !count_.value) return "";
   if (keys_of_particles_.empty())

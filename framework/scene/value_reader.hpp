@@ -14,7 +14,7 @@
 
 namespace tomlin {
 
-/// What a row admits, for people: "a number > 0", "\"a\" or \"b\"", "an integer >= 1".
+/// Values that a row admits, for people: "a number > 0", "\"a\" or \"b\"", "an integer >= 1".
 std::string admissible_values(const Parameter& row);
 
 /// The words that a row admits, alone or beside other kinds of values; none for a free text.
@@ -27,7 +27,7 @@ class ValueReader {
   ValueReader(const ParameterTable& parameters, FaultList& faults)
       : parameters_(parameters), faults_(faults) {}
 
-  /// What the numbers of the scene are in; known once its heading has been read.
+  /// Units of the numbers of the scene; known once its heading has been read.
   void set_units(UnitSystem units) { units_ = units; }
   UnitSystem units() const { return units_; }
 
@@ -56,7 +56,7 @@ class ValueReader {
                                               const std::string& key, std::int64_t count) const;
 
  private:
-  /// What is being read, for messages.
+  /// Row and key that are being read, for messages.
   struct Subject {
     const Parameter& row;
     const std::string& key;

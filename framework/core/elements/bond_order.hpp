@@ -68,7 +68,7 @@ class NeighbourRows {
  private:
   static void update(void* list, const Stage<Real>& stage) {
     auto& self = *static_cast<NeighbourRows*>(list);
-    // Of a solid the neighbours are mostly those that it has had before.
+    // In a solid an updated list mostly has the same neighbours as before.
     if (self.list_.update(stage)) self.lay_all();
   }
 
@@ -90,7 +90,7 @@ class NeighbourRows {
     near_.assign(slots * kGroup, 0);
     reverse_.resize(slots * kGroup);
     if (periodic_) shift_.assign(3 * slots * kGroup, Real(0.0));
-    // What is no neighbour is its own reverse, at which there is no gradient.
+    // A slot without a neighbour is its own reverse; there is no gradient at it.
     for (std::size_t k = 0; k < reverse_.size(); ++k) reverse_[k] = static_cast<std::int64_t>(k);
     for (std::size_t i = 0; i < count; ++i) lay(i, slots);
     gradient_.resize(3 * slots * kGroup);
@@ -246,7 +246,7 @@ class BondOrderForce : public BoundForce<Real>, public CountsNeighbours, public 
   }
 
   std::size_t kinds() const { return std::max<std::size_t>(1, names_.size()); }
-  /// Of a particle of kind i, in the bond to one of kind j, in the presence of one of kind k.
+  /// Parameters of a particle of kind i, in the bond to one of kind j, with one of kind k present.
   const auto& parameters_of(std::size_t i, std::size_t j, std::size_t k) const {
     return parameters_[(i * kinds() + j) * kinds() + k];
   }
@@ -291,7 +291,7 @@ class BondOrderForce : public BoundForce<Real>, public CountsNeighbours, public 
                        [](const auto& p) { return E::weighted(p); });
   }
 
-  /// As where it is asked which elements there are.
+  /// True for the stage by which a caller asks which elements there are.
   bool all_coincide(const Stage<Real>& stage) const {
     const auto place = [&](std::size_t i) {
       return vector_at<3, Real>(body_.slot, stage.position, stage.mapped_position, i);

@@ -5,7 +5,7 @@
 
 #include "framework/core/elements/cutoff_arguments.hpp"
 
-/// What kernels of bond-order potentials get. Plain data only, see stage.hpp.
+/// Arguments of kernels of bond-order potentials. Plain data only, see stage.hpp.
 namespace tomlin {
 
 /// Particles in groups of eight, a lane each, and rows of neighbours: row k holds the k-th

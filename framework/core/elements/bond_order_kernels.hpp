@@ -60,7 +60,7 @@ struct OneSpecies {
   TOMLIN_INLINE bool weighted() const { return is_weighted; }
 };
 
-/// Those of particles of several species where they go by pairs: `at(j)` are the numbers of a bond,
+/// Parameters of several species where they go by pairs: `at(j)` are the numbers of a bond,
 /// `own` those of the particle.
 template <class P, class At>
 struct PairsOfSpecies {
@@ -74,7 +74,7 @@ struct PairsOfSpecies {
   TOMLIN_INLINE bool weighted() const { return is_weighted; }
 };
 
-/// Those of particles of several species: `at(j, k)` are the numbers of a triple.
+/// Parameters of several species: `at(j, k)` are the numbers of a triple.
 template <class P, class At>
 struct ManySpecies {
   static constexpr bool by_pairs = false;

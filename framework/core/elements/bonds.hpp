@@ -12,7 +12,7 @@
 #include "framework/core/records/force.hpp"
 #include "framework/core/text/fault_code.hpp"
 
-/// What bonds and potentials between pairs share: chosen pairs, each with a rest length, kept as
+/// Bonds and potentials between pairs share this: chosen pairs, each with a rest length, kept as
 /// the pair's datum. A description has a member `pairs`; without `rest_lengths` the datum is 0.
 namespace tomlin {
 
@@ -157,7 +157,7 @@ ForceRecord bond_force() {
   return record;
 }
 
-/// The same of a potential between all chosen particles: in a periodic box each pair acts by its
+/// The record of a potential between all chosen particles: in a periodic box each pair acts by its
 /// nearest images at every time, so that the potential has to end within half the box.
 template <class E, const KernelTables& tables, int rank = kRankPairs>
 ForceRecord pair_potential() {

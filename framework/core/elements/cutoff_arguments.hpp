@@ -6,7 +6,7 @@
 #include "framework/core/system/stage.hpp"
 #include "framework/core/system/team.hpp"
 
-/// What kernels of forces with a cutoff get. Plain data only, see stage.hpp.
+/// Arguments of kernels of forces with a cutoff. Plain data only, see stage.hpp.
 namespace tomlin {
 
 /// Brings a neighbour list up to date with the positions of a stage, before they are read.
@@ -28,7 +28,7 @@ struct CutoffPairArguments {
   BodySlot<Real> other;        ///< from which it comes
   bool same_body = false;
   const void* parameters = nullptr;
-  /// Where they differ between species: which species of `one` each of its particles is, and the
+  /// If parameters differ between species: the species of each particle of `one`, by index, and the
   /// numbers of the parameters [species of `one`][number][particle of `other`, padded]. Else null.
   const std::uint32_t* kind = nullptr;
   const Real* numbers = nullptr;

@@ -182,7 +182,7 @@ class CutoffPairForce : public BoundForce<Real>, public CountsNeighbours, public
     for (const auto& list : lists_) list->arguments.team = &team;
   }
 
-  /// Of the first list; memory is that of both.
+  /// Counts the neighbours in the first list, and the memory of both.
   NeighbourCount count_neighbours() const override {
     NeighbourCount count = lists_.front()->count();
     for (std::size_t k = 1; k < lists_.size(); ++k) count.bytes += lists_[k]->count().bytes;
@@ -272,7 +272,7 @@ class CutoffPairForce : public BoundForce<Real>, public CountsNeighbours, public
     return by_species_[one * other_species_.names.size() + other];
   }
 
-  /// Of a particle of the first list and its partner.
+  /// Parameters of a particle of the first list and its partner.
   const Parameters& parameters_of(std::size_t i, std::size_t j) const {
     if (by_species_.empty()) return parameters_;
     if (first_listed().index != one_.index) std::swap(i, j);

@@ -7,12 +7,12 @@
 #include "framework/core/numbers/math.hpp"
 #include "framework/core/numbers/vec.hpp"
 
-/// What an evaluator sees: one element, whatever the number type. The loops over elements stand in
+/// Evaluators see one element, whatever the number type. The loops over elements stand in
 /// framework/core/elements/kernels.hpp.
 namespace tomlin {
 inline namespace TOMLIN_TARGET {
 
-/// Which inputs of a site an evaluator reads. Others are not loaded. The traits of a force follow
+/// Inputs of a site that an evaluator reads. Others are not loaded. The traits of a force follow
 /// from this.
 struct Reads {
   bool velocity = false;
@@ -51,7 +51,7 @@ struct Site {
   }
 };
 
-/// What kernels of sites get: the evaluator's parameters, and the frame of the sites.
+/// Parameters of kernels of sites: those of the evaluator, and the frame of the sites.
 template <class E, class T, int D>
 struct SiteParameters {
   typename E::template Parameters<T, D> own;
@@ -179,7 +179,7 @@ TOMLIN_INLINE Vec<T, D> force_on(const typename E::template Parameters<T, D>& p,
   }
 }
 
-/// The same on the first particle of a pair: its energy grows with the separation.
+/// The evaluator's force on the first particle of a pair: its energy grows with the separation.
 template <class E, class T, int D>
 TOMLIN_INLINE Vec<T, D> force_on(const typename E::template Parameters<T, D>& p,
                                  const Pair<T, D>& pair) {

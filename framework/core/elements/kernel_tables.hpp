@@ -9,7 +9,7 @@
 
 namespace tomlin {
 
-/// The same kernels on each instruction set. Null: not compiled in this build.
+/// Tables of kernels on each instruction set. Null: not compiled in this build.
 template <class Table>
 struct TablesBySet {
   const Table* baseline = nullptr;
@@ -23,7 +23,7 @@ struct TablesBySet {
   }
 };
 
-/// The same kernels in each number type. Quadruple numbers have no vector instructions, and so one
+/// Tables of kernels in each number type. Quadruple numbers have no vector instructions, and so one
 /// table only.
 template <template <class Real> class Table>
 struct TablesByType {

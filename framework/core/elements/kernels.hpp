@@ -32,7 +32,7 @@
 namespace tomlin {
 inline namespace TOMLIN_TARGET {
 
-/// The same parameters in every lane.
+/// Returns the parameters with all lanes alike.
 template <class E, class Real, int D>
 TOMLIN_INLINE typename E::template Parameters<Packed<Real>, D> in_all_lanes(
     const void* parameters) {
@@ -40,14 +40,14 @@ TOMLIN_INLINE typename E::template Parameters<Packed<Real>, D> in_all_lanes(
       *static_cast<const typename E::template Parameters<Real, D>*>(parameters));
 }
 
-/// The same of a site.
+/// Returns the parameters of a site with all lanes alike.
 template <class E, class Real, int D>
 TOMLIN_INLINE SiteParameters<E, Packed<Real>, D> site_in_all_lanes(const void* parameters) {
   return number_by_number<SiteParameters<E, Packed<Real>, D>, Packed<Real>, Real>(
       *static_cast<const SiteParameters<E, Real, D>*>(parameters));
 }
 
-/// The same of eight sites whose parameters differ, from the particle on that `each` points to.
+/// Returns the parameters of eight sites, which differ, from the particle on that `each` points to.
 template <class E, class Real, int D>
 TOMLIN_INLINE SiteParameters<E, Packed<Real>, D> site_of_each(const Real* each,
                                                               std::size_t stride) {
@@ -67,7 +67,7 @@ TOMLIN_INLINE void put(Real* at, const Packed<Real>& value) {
   (set ? value : Packed<Real>::load(at) + value).store(at);
 }
 
-/// Of the group from element i on, those that are among the first `count`; zero in the padding.
+/// Keeps lanes of the group from element i on that are among the first `count`; others become zero.
 template <class Real>
 TOMLIN_INLINE Packed<Real> without_padding(const Packed<Real>& value, std::size_t i,
                                            std::size_t count) {
@@ -122,7 +122,7 @@ TOMLIN_FLATTEN void site_kernel(const void* arguments, const Stage<Real>& stage)
   }
 }
 
-/// The same on a single particle on a line, in registers: small scenes are bound by latency.
+/// Evaluates a single particle on a line, in registers: small scenes are bound by latency.
 template <class E, class Real>
 TOMLIN_FLATTEN PointResult<Real> point_kernel(const void* parameters, Real position, Real velocity,
                                               Real start, Real elapsed) {
@@ -138,7 +138,7 @@ TOMLIN_FLATTEN PointResult<Real> point_kernel(const void* parameters, Real posit
   return {force[0], Real(0.0)};
 }
 
-/// What a damper takes out of the particles, -F.v, for the energy ledger.
+/// Writes the power that a damper takes out of the particles, -F.v, for the energy balance.
 template <class E, class Real, int D, bool varied = false>
 TOMLIN_FLATTEN void heat_kernel(const void* arguments, const Stage<Real>& stage) {
   using Group = Packed<Real>;
@@ -192,7 +192,7 @@ TOMLIN_FLATTEN Real site_energy(const void* arguments, const Stage<Real>& stage)
 
 // ---- the centre of mass of a body, or one particle of it ----------------------------------------
 
-/// Where the attached point is; of velocities, how it moves.
+/// Position of the attached point, or from velocities its velocity.
 template <class Real, int D>
 TOMLIN_INLINE Vec<Real, D> attached_point(const CentreArguments<Real>& a, const Real* plain,
                                           const Real* mapped) {
@@ -397,7 +397,7 @@ TOMLIN_FLATTEN void chain_kernel(const void* arguments, const Stage<Real>& stage
   const std::size_t bonds = a.closed ? count : count - 1;
   const auto lane_zero = first_lanes_of<Group>(1);
 
-  // What follows the last particle of a closed chain: the first one's image.
+  // The first particle's image follows the last particle of a closed chain.
   Vec<Group, D> image;
   for (int d = 0; d < D; ++d) image[d] = Group(x[d * stride] + a.wrap[d]);
 
@@ -455,7 +455,7 @@ TOMLIN_INLINE Packed<Real> gather(const Real* from, const std::size_t* index) {
   return Packed<Real>::load(lane);
 }
 
-/// Of the pairs from the k-th on, along one axis, from the first particle to the second.
+/// Separations of pairs from the k-th on, along one axis, from the first particle to the second.
 template <class Real>
 TOMLIN_INLINE Packed<Real> separation_along(const PairListArguments<Real>& a, const Real* x1,
                                             const Real* x2, int d, std::size_t k) {

@@ -46,11 +46,11 @@ struct ListReach {
   double slack = 0.0;  ///< what two particles may approach each other by until then
 };
 
-/// Of a list that is searched by cells.
+/// Reach of a list that is searched by cells.
 constexpr ListReach single_list(double cutoff) {
   return {cutoff * (1.0 + kSkin + kReachMargin), kSkin * cutoff};
 }
-/// Of a dual list's outer one.
+/// Reach of a dual list's outer one.
 constexpr ListReach outer_list(double cutoff) {
   return {cutoff * (1.0 + kOuterSkin + kReachMargin), (kOuterSkin - kInnerSkin) * cutoff};
 }
@@ -332,7 +332,7 @@ class DualList {
     is_near_.assign(outer_.size(), 0);
   }
 
-  /// Which of the outer neighbours are inner ones; true where it is another than before.
+  /// Chooses the inner ones among the outer neighbours; returns true if they differ from before.
   bool choose() {
     double wide_work = 0.0;
     double tight_work = 0.0;

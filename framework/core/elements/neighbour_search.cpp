@@ -8,7 +8,7 @@ namespace {
 
 /// Bits of a cell's number along one axis; three of them make a key.
 constexpr int kBits = 21;
-/// Of an axis without a period: cells further out than this share the last one.
+/// The middle cell of an axis without a period; cells further out than so many share the last one.
 constexpr std::int64_t kMiddle = std::int64_t{1} << (kBits - 1);
 
 }  // namespace

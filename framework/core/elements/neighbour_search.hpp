@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-/// Which particles are near a place: cells as long as the reach, of which a place and those around
-/// it are looked through. The work grows linearly with the number of particles.
+/// Finds the particles near a position: cells are as long as the reach; that of the position and
+/// those around it are searched. The work grows linearly with the number of particles.
 namespace tomlin {
 
 /// A particle within reach of a place x, and the image of it: its way from x is
@@ -18,8 +18,8 @@ struct Neighbour {
   bool operator==(const Neighbour&) const = default;
 };
 
-/// Of particles in one, two or three dimensions. Lengths in one unit; along a periodic axis the
-/// box is at least twice as long as the reach, so that a particle has one image within it.
+/// Searches particles in one, two or three dimensions. Lengths have one unit; along a periodic axis
+/// the box is at least twice as long as the reach, so that a particle has one image within it.
 class NeighbourSearch {
  public:
   NeighbourSearch(int dimension, double reach, const std::array<double, 3>& box);

@@ -89,7 +89,7 @@ class PairForce : public BoundForce<Real> {
       const Pair<Real, D> here = pair(stage, bound);
       const bool together = pulls_nothing_together(here);
       Pair<Real, D> beside = here;
-      // The same in all directions where particles without tension are together.
+      // Coinciding particles without tension have the same slope in all directions.
       if (together) beside.separation[0] = Real(kBeside);
       const auto force = slopes(beside);
       for (int a = 0; a < D; ++a) {
@@ -143,8 +143,8 @@ class PairForce : public BoundForce<Real> {
   /// So short a way that nothing changes along it, and no number but its square.
   static constexpr double kBeside = sizeof(Real) < sizeof(double) ? 1e-18 : 1e-150;
 
-  /// Of which pairs there are in the list, and in which order (FNV-1a of 64 bits): the list itself
-  /// may be as large as all else.
+  /// Hash of the pairs in the list and of their order (FNV-1a of 64 bits): the list itself may be
+  /// as large as all else.
   std::int64_t hash_of_pairs() const {
     std::uint64_t hash = 0xcbf29ce484222325;
     for (const BoundPair<Real>& pair : pairs_) {

@@ -17,7 +17,7 @@
 /// The pairs of particles that a force acts on, and how a list of them is laid out for its kernel.
 namespace tomlin {
 
-/// What the pairs of a force look like to the loops.
+/// Structure of a force's pairs, as the loops see it.
 enum class PairTopology {
   ring,   ///< all pairs of a body
   chain,  ///< neighbours, open or closed

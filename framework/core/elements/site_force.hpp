@@ -54,7 +54,7 @@ double period_along(const typename E::Description& description, int axis) {
   return 0.0;
 }
 
-/// Where a force has its zero along an axis.
+/// Position of a force's zero along an axis.
 template <class E>
 double offset_along(const typename E::Description& description, int axis) {
   if constexpr (requires { E::offset(description, axis); }) return E::offset(description, axis);
@@ -78,7 +78,7 @@ Frame<Real, D> frame_at(const typename E::Description& description, const Origin
   return frame;
 }
 
-/// Of a body, what replicas in lanes have alike.
+/// Numbers of a body that replicas in lanes have alike.
 template <class Real>
 std::vector<std::int64_t> structure_of(const BodySlot<Real>& body, std::ptrdiff_t rate) {
   std::vector<std::int64_t> numbers;
@@ -96,7 +96,7 @@ std::span<const double> numbers_in(const Numbers& numbers) {
   return {reinterpret_cast<const double*>(&numbers), sizeof(Numbers) / sizeof(double)};
 }
 
-/// What sites of either kind share: parameters, frame, rates, bounds.
+/// Common parts of sites of either kind: parameters, frame, rates, bounds.
 template <class E, class Real, int D>
 class ForceOnSites : public BoundForce<Real> {
  public:
@@ -145,7 +145,7 @@ class ForceOnSites : public BoundForce<Real> {
     return bound_of(d);
   }
 
-  /// What follows from where the origin is.
+  /// Updates the numbers that follow from the position of the origin.
   static void follow(SiteParameters<E, Real, D>& p, const typename E::Description& description,
                      const Origin& origin) {
     p.frame = frame_at<E, Real, D>(description, origin);
@@ -298,7 +298,7 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
     return description;
   }
 
-  /// Of a bound that follows from a description, the largest of all particles'.
+  /// Largest value over all particles of a bound that follows from a description.
   template <class Bound>
   double largest(Bound bound) const {
     double most = bound(this->description_);
@@ -355,7 +355,7 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
   HeatArguments<Real> heat_;
   LaneForm heat_lanes_;
   AlignedVector<Real> start_;
-  // Where parameters differ between particles.
+  // These members are for parameters that differ between particles.
   std::vector<Variation> variations_;
   Kernel<Real> varied_kernel_ = nullptr;
   std::vector<SiteParameters<E, Real, D>> each_;
@@ -512,7 +512,7 @@ ForceFactories on_particles() {
           of_description<&bind_on_particles<E, tables, rank, Quad>>};
 }
 
-/// Of friction that is not linear nothing shows that it dissipates: its evaluator says
+/// Nothing shows that friction which is not linear dissipates: its evaluator declares
 /// `static constexpr bool dissipative = true`.
 template <class E>
 constexpr bool declares_dissipation() {

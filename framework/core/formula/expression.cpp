@@ -222,7 +222,7 @@ class ExpressionParser {
     const char* const begin = text_.data() + position_;
     const char* const end = text_.data() + text_.size();
     const auto [stop, status] = std::from_chars(begin, end, value);
-    // What a reader would take for one word has to be one number.
+    // A word, as a reader would see it, has to be one number.
     const char* word_end = status == std::errc::invalid_argument ? begin : stop;
     while (word_end != end &&
            (is_digit(*word_end) || is_letter_or_underscore(*word_end) || *word_end == '.')) {
@@ -408,7 +408,7 @@ std::variant<Expression, ExpressionError> Expression::parse(std::string_view tex
 
 namespace {
 
-// What an operation gives: a number, or why there is none.
+// Result of an operation: a number, or the reason why there is none.
 using Outcome = std::variant<double, std::string>;
 
 std::string overflow(const std::string& operation) { return operation + " overflows"; }

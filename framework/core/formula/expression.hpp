@@ -83,7 +83,7 @@ constexpr bool is_random(ExpressionFunction::Id id) {
 /// The variables of expression forces and prescribed motions; parameters may not shadow them.
 std::span<const std::string_view> expression_variables();
 
-/// What expressions that have a value for each particle of a body may name besides: its index `i`
+/// Further names in expressions that have a value for each particle of a body: its index `i`
 /// and the `count` of particles. A parameter of such a name comes first.
 std::span<const std::string_view> particle_variables();
 
@@ -142,7 +142,7 @@ class Expression {
   Expression part(std::size_t step) const;
   /// For whoever evaluates expressions over other number types.
   const std::vector<Node>& nodes() const { return nodes_; }
-  /// As written; of a part as to_string() has it.
+  /// The text as written; of a part as to_string() has it.
   const std::string& text() const { return text_; }
   /// Fewest parentheses and even spacing; parses to the same nodes.
   std::string to_string() const;

@@ -22,7 +22,7 @@ std::vector<std::uint32_t> blocks_of(const FormulaLaw& law) {
   return blocks;
 }
 
-/// What the energy of one element is differentiated by.
+/// Variables by which the energy of one element is differentiated.
 std::vector<std::uint32_t> coordinates_of(FormulaElement element, int dimension) {
   switch (element) {
     case FormulaElement::pair:

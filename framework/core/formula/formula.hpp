@@ -16,11 +16,11 @@
 #include "framework/core/formula/program.hpp"
 #include "framework/core/records/parameter.hpp"
 
-/// What the formulas of a force mean: over which elements they are, and the code for the energy,
-/// the force and the second derivatives of one element.
+/// Meaning of the formulas of a force: their elements, and the code for the energy, the force and
+/// the second derivatives of one element.
 namespace tomlin {
 
-/// What a formula names tells what it is evaluated on: x, y, z a particle; xc, yc, zc the centre of
+/// The names in a formula decide on its elements: x, y, z a particle; xc, yc, zc the centre of
 /// mass of a body; r a pair; theta an angle.
 enum class FormulaElement { particle, centre, pair, angle };
 
@@ -36,12 +36,12 @@ inline constexpr std::uint32_t time = 11;     ///< t
 inline constexpr std::uint32_t index = 12;    ///< i, of the particle, from 0 on
 inline constexpr std::uint32_t count = 13;    ///< of the particles of the body
 inline constexpr std::uint32_t origin = 14;   ///< of each axis: what is added to positions
-/// What follows from the index alone: subexpressions with a number for each particle.
+/// First of the subexpressions that follow from the index alone, with a number for each particle.
 inline constexpr std::uint32_t particle_number = 17;
 static_assert(particle_number == FormulaGraph::kFirstUnboundedVariable);
 }  // namespace formula_variable
 
-/// As scenes write it; up to the origin.
+/// Name of a variable as scenes write it; for indices up to the origin.
 std::string_view formula_variable_name(std::uint32_t index);
 
 /// Among the uniforms of all code for formulas: the time, then the origin of each axis.

@@ -5,7 +5,7 @@
 #include "framework/core/formula/program.hpp"
 #include "framework/core/system/kernel_arguments.hpp"
 
-/// What the kernels of formulas work on, and their table. Plain data only, see stage.hpp.
+/// Arguments of the kernels of formulas, and their table. Plain data only, see stage.hpp.
 namespace tomlin {
 
 /// Packs of eight in a block: registers hold so many, and stand apart by an odd number of cache

@@ -143,7 +143,7 @@ class FormulaProgram {
   std::vector<FormulaOutput<Real>> outputs_;
 };
 
-/// What is wrong with a number of a particle.
+/// Complaint about a number of a particle.
 inline Complaint complaint_about(const FormulaLaw& law, const FormulaLaw::Trouble& trouble) {
   Complaint complaint;
   complaint.code = FaultCode::expression_not_finite;
@@ -154,7 +154,7 @@ inline Complaint complaint_about(const FormulaLaw& law, const FormulaLaw::Troubl
   return complaint;
 }
 
-/// What all kinds share: the programs, the time, the origin, and why a value is not finite.
+/// Common parts of all kinds: the programs, the time, the origin, and why a value is not finite.
 template <class Real>
 class FormulaForce : public BoundForce<Real> {
  public:
@@ -252,7 +252,7 @@ class FormulaForce : public BoundForce<Real> {
       places += fmt::format("{}t = {:.6g}", places.empty() ? "" : ", ", at[formula_variable::time]);
     }
     if (numbers) {
-      // What was simplified away, 0/0 say, is looked at as it is written.
+      // Parts that were simplified away, 0/0 say, are evaluated as they are written.
       --thorough_;
       bool all = true;
       for (std::size_t k = 0; k < law_.components(); ++k) {
@@ -276,7 +276,7 @@ class FormulaForce : public BoundForce<Real> {
     return complaint;
   }
 
-  /// What was declared a period and is none about this place.
+  /// Complaint about a declared period that is none about this position.
   std::optional<Complaint> no_period(const FormulaLaw::Values& about, int periods) const {
     for (const std::uint32_t index : codes_.inputs) {
       const bool is_place = index < formula_variable::velocity || index >= formula_variable::centre;
@@ -449,14 +449,14 @@ class ParticleFormula final : public FormulaForce<Real> {
   /// about the largest.
   static constexpr int kSamples = 64;
   static constexpr int kSearch = 40;
-  /// Where the formula depends on more than x: heights beside those of the start, in periods.
+  /// Heights beside those of the start, in periods, for a formula that depends on more than x.
   static constexpr std::size_t kHeights = 5;
   static constexpr double kHeight[kHeights] = {0.0, -0.25, 0.25, -0.5, 0.5};
-  /// What is added for what lies between, and for rounding alone.
+  /// Margins for positions that lie between, and for rounding alone.
   static constexpr double kElsewhere = 1.02;
   static constexpr double kRounding = 1.0 + 1e-12;
-  /// Where particles differ, the search is for those near the largest: of a wave, kSamples places
-  /// are short of the largest curvature by 0.1 % each harmonic squared.
+  /// If particles differ, only those near the largest curvature are searched: kSamples positions
+  /// along a wave miss its largest curvature by 0.1 % n^2 for the n-th harmonic.
   static constexpr double kWorthwhile = 0.8;
 
   FormulaSiteArguments<Real> arguments_for(const FormulaProgram<Real>& program) const {
@@ -496,7 +496,7 @@ class ParticleFormula final : public FormulaForce<Real> {
     return inputs;
   }
 
-  /// Where a period along x is declared, the largest curvature over it, at the heights of the
+  /// Samples the largest curvature over a declared period along x, at the heights of the
   /// start. That of a formula in time is the one at the start of the present step.
   void sample_curvature() const {
     // Who asks is the model, which looks on in double whatever a run computes in.
@@ -538,7 +538,7 @@ class ParticleFormula final : public FormulaForce<Real> {
     }
   }
 
-  /// Of particle i, moved along x to a place; the largest so far are noted.
+  /// Curvature of particle i, moved along x to a position; notes the largest so far.
   double curvature_at(std::size_t i, double x) const {
     Inputs inputs = inputs_at(nullptr, i);
     for (std::size_t input = 0; input < this->coordinates(); ++input) {
@@ -731,7 +731,7 @@ class PairFormula final : public FormulaForce<Real> {
     }
   }
 
-  /// What pairs of one body are apart at the start.
+  /// Shortest distance of pairs of one body at the start.
   double shortest_bond() const override { return shortest_; }
 
   bool heat(std::ptrdiff_t rate, Operation<Real>& operation) override {
@@ -1026,7 +1026,7 @@ class AngleFormula final : public FormulaForce<Real> {
       const double turn = cosine.value.derivative[p] * cosine.value.derivative[q] / (sine * sine);
       return bend + by_angle * turn;
     };
-    // Of the bonds' ends, and what is left for the middle, so that all sum to zero.
+    // Derivatives give the blocks of the bonds' ends; those of the middle make all sum to zero.
     const auto axes = static_cast<std::size_t>(this->dimension_);
     for (std::size_t a = 0; a < axes; ++a) {
       for (std::size_t b = 0; b < axes; ++b) {

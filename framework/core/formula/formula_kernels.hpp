@@ -35,7 +35,7 @@ TOMLIN_INLINE void point_at_inputs(const FormulaSiteArguments<Real>& a, const St
   }
 }
 
-/// Of output d, pack k.
+/// Returns pack k of output d.
 template <class Real>
 TOMLIN_INLINE Packed<Real> output(const FormulaView<Real>& code, const Real* const* inputs,
                                   std::size_t d, std::size_t k) {
@@ -85,7 +85,7 @@ void formula_site_kernel(const void* arguments, const Stage<Real>& stage) {
   }
 }
 
-/// What the formula takes out of the particles: -F.v, or what its change in time takes out.
+/// Writes the power that the formula takes out of the particles: -F.v, or by its change in time.
 template <class Real>
 void formula_site_heat(const void* arguments, const Stage<Real>& stage) {
   using Group = Packed<Real>;
@@ -190,7 +190,7 @@ TOMLIN_INLINE void gather_pairs(const FormulaPairArguments<Real>& a, const Stage
   }
 }
 
-/// The same for neighbours: pair i is of particles i and i + 1.
+/// Takes the pairs of neighbours: pair i is of particles i and i + 1.
 template <class Real>
 TOMLIN_INLINE void take_neighbours(const FormulaPairArguments<Real>& a, const Stage<Real>& stage,
                                    std::size_t first, std::size_t packs, PairBlock<Real>& block) {
@@ -258,7 +258,7 @@ TOMLIN_INLINE void take_pairs(const FormulaPairArguments<Real>& a, const Stage<R
   }
 }
 
-/// What neighbours pull: each particle by the pair ahead, less that behind.
+/// Adds the pulls of neighbours: on each particle that of the pair ahead, less that behind.
 template <class Real>
 TOMLIN_INLINE void share_out_neighbours(const FormulaPairArguments<Real>& a,
                                         const Stage<Real>& stage) {

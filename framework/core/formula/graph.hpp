@@ -83,7 +83,7 @@ class FormulaGraph {
     std::vector<Id> arguments;    ///< of a function
   };
 
-  /// What a name of an expression stands for.
+  /// Nodes that the names of an expression stand for.
   using Lookup = std::map<std::string_view, Id>;
   /// Nodes that stand for whole subexpressions, by the last step of each.
   using Given = std::map<std::size_t, Id>;
@@ -137,7 +137,7 @@ class FormulaGraph {
   Id slope(Id node, std::uint32_t variable);
   Id slope_of_function(const Node& node, std::uint32_t variable);
   Id call(const Expression::Node& step, std::span<const Id> arguments);
-  /// Where a part of a formula is defined: of which node, and that it has to be positive, or not
+  /// Conditions under which a part of a formula is defined: a node has to be positive, or not
   /// negative.
   using Domains = std::map<std::pair<bool, Id>, Id>;  ///< to a node that is no number elsewhere
   Domains domains_of(const std::vector<Id>& roots);

@@ -194,7 +194,7 @@ __attribute__((noinline)) void run_steps(const FormulaStep<Real>* code, std::siz
   }
 }
 
-/// What is the same for all elements: the time, and what follows from it.
+/// Evaluates what all elements have in common: the time, and what follows from it.
 template <class T, class Real>
 TOMLIN_INLINE void begin_formula(const FormulaView<Real>& code, Real elapsed) {
   if (code.time != nullptr) {

@@ -11,7 +11,7 @@
 /// A formula as a short list of instructions on blocks of numbers.
 namespace tomlin {
 
-/// What one instruction does, element by element: to = op(a, b, c).
+/// Operation of one instruction, element by element: to = op(a, b, c).
 enum class FormulaOp : std::uint8_t {
   add,
   subtract,
@@ -50,7 +50,7 @@ enum class FormulaOp : std::uint8_t {
   where_finite,   ///< a where b is finite, else no number
 };
 
-/// Where an operand stands.
+/// Location of an operand.
 struct FormulaSlot {
   enum class Area : std::uint16_t {
     registers,  ///< a block of its own: one number for each element
@@ -85,7 +85,7 @@ struct FormulaCode {
   std::size_t registers = 0;         ///< needed at once
   std::vector<FormulaSlot> outputs;  ///< of the nodes, in their order
 
-  /// Where uniform variable k stands among the uniforms.
+  /// Index of uniform variable k among the uniforms.
   std::size_t place_of_uniform(std::size_t k) const { return constants.size() + k; }
   bool fits() const { return registers <= kMostRegisters && uniforms <= kMostUniforms; }
 };

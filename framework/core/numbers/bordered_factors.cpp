@@ -80,8 +80,8 @@ void BorderedFactors::fill() {
   terms_.clear();
 }
 
-/// What only such a term holds would leave the band singular: the band gets it at one coordinate,
-/// and another term takes that back.
+/// A direction that only such a term holds would leave the band singular: the band gets the term at
+/// one coordinate, and another term takes that back.
 void BorderedFactors::pin() {
   const std::size_t count = terms_.size();
   for (std::size_t k = 0; k < count; ++k) {

@@ -28,7 +28,7 @@ constexpr DoubleDouble two_sum(double a, double b) {
   const double b_part = s - a;
   return {s, (a - (s - b_part)) + (b - b_part)};
 }
-// The same for |a| >= |b| or a = 0, in half the operations.
+// a + b = hi + lo exactly for |a| >= |b| or a = 0, in half the operations.
 constexpr DoubleDouble fast_two_sum(double a, double b) {
   const double s = a + b;
   return {s, b - (s - a)};

@@ -258,7 +258,7 @@ struct Dual {
   }
 
  private:
-  // What the operations of T take beside a T.
+  // Converts a constant to what the operations of T take beside a T.
   template <class S>
   TOMLIN_INLINE static auto constant(const S& x) {
     if constexpr (!is_dual<T>) {

@@ -46,7 +46,7 @@ TOMLIN_INLINE T half_exp(T x) {
   using F = Fit;
   const T high(F::kLn2High);
   const T reduced = x - high;
-  // What the difference has lost.
+  // `lost` is the rounding error of the difference.
   const T back = reduced - x;
   const T lost = (x - (reduced - back)) - (high + back);
   return exp_of(reduced, lost - T(F::kLn2Low));
@@ -127,7 +127,7 @@ template <class T, int n>
 TOMLIN_INLINE Dual<T, n> tanh(const Dual<T, n>& a) {
   return Dual<T, n>::chain(tanh(a.value), sech_squared(a.value), a);
 }
-// Where they jump the derivatives are those beside it: none.
+// Derivatives at a jump are those beside it: zero.
 template <class T, int n>
 TOMLIN_INLINE Dual<T, n> sign(const Dual<T, n>& a) {
   return Dual<T, n>(sign(a.value));

@@ -128,7 +128,7 @@ TOMLIN_INLINE T scaled_sum(T r2, T q, T low, T high, T n) {
   return fma(fma(r2, q, low), power.first, high * power.first) * power.second;
 }
 #if TOMLIN_TARGET_IS_AVX512
-// The same in one instruction. For scalars the way above is as fast.
+// AVX-512 scales in one instruction. For scalars the way above is as fast.
 TOMLIN_INLINE Pack scaled_sum(Pack r2, Pack q, Pack high, Pack n) {
   return Pack(pack_detail::Part{_mm512_scalef_pd(fma(r2, q, high).v.raw, n.v.raw)});
 }

@@ -27,8 +27,8 @@ void make_coefficients(double* values, std::size_t count, std::size_t step) {
   for (std::size_t k = count - 1; k-- > 0;) at(k) = pole * (at(k + 1) - at(k));
 }
 
-/// What the values on a circle of `count` points contribute to the trigonometric interpolation, or
-/// to its derivative by the circle, `shift` spacings behind a point: entry k, that of the point k
+/// Weights of the values on a circle of `count` points in the trigonometric interpolation, or in
+/// its derivative by the circle, `shift` spacings behind a point: entry k, that of the point k
 /// spacings before that.
 std::vector<double> trigonometric_weights(std::size_t count, double shift, bool derivative) {
   std::vector<double> weights(count);

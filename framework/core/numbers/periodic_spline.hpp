@@ -28,14 +28,14 @@ namespace tomlin {
 
 class PeriodicSpline {
  public:
-  /// Of values row by row, at least one; a single column stands for a function of u alone.
+  /// Takes values row by row, at least one; a single column stands for a function of u alone.
   PeriodicSpline(std::size_t columns, std::vector<double> values);
 
   std::size_t rows() const { return values_.size() / columns_; }
   std::size_t columns() const { return columns_; }
   const std::vector<double>& values() const { return values_; }
 
-  /// What SplinePlace reads: rows, columns, then the coefficients divided by 36, three more on each
+  /// Table for SplinePlace: rows, columns, then the coefficients divided by 36, three more on each
   /// axis than the grid has points: those for the cell (m, n) stand from (m, n) on.
   const double* table() const { return table_.data(); }
 

@@ -14,7 +14,7 @@ struct RandomKey {
   std::uint64_t stream = 0;
 };
 
-/// Where in the stream: e.g. step, particle, stage. Never mix a seed into it.
+/// Position in the stream: e.g. step, particle, stage. Never mix a seed into it.
 struct RandomPlace {
   std::uint64_t a = 0;
   std::uint64_t b = 0;

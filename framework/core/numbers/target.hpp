@@ -1,4 +1,4 @@
-// Which instruction set this translation unit is compiled for.
+// Instruction set for which this translation unit is compiled.
 //
 // Numeric code is compiled once per instruction set and chosen when the program starts. Each copy
 // lives in its own inline namespace, so that the linker can never mix differently compiled copies:

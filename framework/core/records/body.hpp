@@ -63,7 +63,7 @@ std::vector<Parameter> with_body_parameters(std::vector<Parameter> own) {
   return own;
 }
 
-/// Where the particles of a body start: particle i at anchor + relative[i]. The two stay apart so
+/// Initial positions of a body's particles: i starts at anchor + relative[i]. The two stay apart so
 /// that a body far from the origin keeps its shape to the last digit.
 struct BodyGeometry {
   std::vector<double> anchor;                 ///< [dimension]
@@ -74,7 +74,7 @@ struct BodyGeometry {
   /// Largest less smallest distance of the outline from its centre: by so much the centre rises
   /// and sinks where the body rolls. 0 when it is round.
   double rolling_rise = 0.0;
-  /// Of a body in space that rolls: the axis about which it does; -1: none.
+  /// Axis about which a body in space rolls; -1: none.
   int rolling_axis = -1;
 };
 
@@ -112,12 +112,12 @@ struct BodyRecord : ComponentRecord {
   /// Faults across keys for a scene of this dimension; empty when valid.
   std::vector<Complaint> (*complaints)(const void* description, int dimension) = nullptr;
   BodyEnds (*ends)(const void* description, int dimension) = &open_ends;
-  /// Where "neighbours" does not mean consecutive particles: the pairs that it means, each once, in
+  /// Pairs that "neighbours" means where these are not consecutive particles, each once, in
   /// a box of these lengths, 0 along an axis that is not periodic. Called for a valid description
   /// only.
   std::vector<IndexPair> (*neighbours)(const void* description,
                                        const std::array<double, 3>& box) = nullptr;
-  /// What `explain` says of the body besides its keys, as the lengths of a box that it fills.
+  /// Text of `explain` on the body besides its keys, as the lengths of a box that it fills.
   std::string (*note)(const void* description) = &no_body_note;
   /// Called for a valid description only.
   BodyGeometry (*build)(const void* description, int dimension) = nullptr;

@@ -19,7 +19,7 @@
 #include "framework/core/system/lanes.hpp"
 #include "framework/core/system/stage.hpp"
 
-/// What a force is once a scene is bound: complete, with every number resolved. The contracts of
+/// A force is complete once a scene is bound, with every number resolved. Here are the contracts of
 /// forces, of operators and of state that forces own.
 namespace tomlin {
 
@@ -115,7 +115,7 @@ class FrictionSink {
  public:
   virtual ~FrictionSink() = default;
   virtual void site(std::size_t body, std::size_t particle, double coefficient) = 0;
-  /// Of friction with noise, after the coefficient: the temperature of its bath, an energy.
+  /// Receives the temperature of the bath of friction with noise, an energy, after the coefficient.
   virtual void bath(std::size_t body, std::size_t particle, double coefficient,
                     double temperature) {
     (void)body, (void)particle, (void)coefficient, (void)temperature;
@@ -125,7 +125,7 @@ class FrictionSink {
   FrictionSink() = default;
 };
 
-/// What a driver tells about itself for summaries and for the window in driver periods.
+/// Data of a driver for summaries and for the window in driver periods.
 struct Drive {
   std::vector<double> velocity;   ///< of the pulled end, where it is steady
   bool steady = true;             ///< false: the velocity changes with time
@@ -193,7 +193,7 @@ class BoundForce {
   /// Bound on the curvature of a site force's energy, over all positions; negative when the
   /// Hessian at the start is the better estimate (springs).
   virtual double curvature_bound() const { return -1.0; }
-  /// The same of the curvature along one axis; the bound over all directions unless a force knows
+  /// Bound on the curvature along one axis; the bound over all directions unless a force knows
   /// better.
   virtual double curvature_bound_along(int axis) const {
     (void)axis;
@@ -208,8 +208,8 @@ class BoundForce {
     (void)stage;
     return {};
   }
-  /// Where and why it has no finite value at a stage, for messages: "in 'log(y)', column 1, of
-  /// particle 3: ...". Empty when it cannot tell.
+  /// Reports where and why it has no finite value at a stage: "in 'log(y)', column 1, of
+  /// particle 3: ...". For messages; empty when it cannot.
   virtual std::string why_not_finite(const Stage<Real>& stage) const {
     (void)stage;
     return {};
@@ -223,7 +223,7 @@ class BoundForce {
     return false;
   }
 
-  /// What `explain` says of the force besides what its record says: what it found out about its
+  /// Text of `explain` on the force besides that of its record: what it found out about its
   /// bodies when it was bound, and how exact it is.
   virtual std::string note() const { return {}; }
 
@@ -241,8 +241,8 @@ class BoundForce {
   /// operators by the flow of all such friction on a body, unless it hands out one of its own.
   virtual bool is_friction() const { return false; }
   virtual void friction(FrictionSink& sink) const { (void)sink; }
-  /// Of friction on particles that is not linear: a bound on what a change of velocity does to the
-  /// force (mass/time), over all velocities. 0 where there is none or where friction() tells.
+  /// Bound on what a change of velocity does to the force of nonlinear friction on particles
+  /// (mass/time), over all velocities. 0 where there is none or where friction() reports it.
   virtual double friction_bound() const { return 0.0; }
 
   // The state contract: variables of its own, laid out, integrated and saved by the engine. Kernels
@@ -257,7 +257,7 @@ class BoundForce {
   // What events change stands in the run's state, as doubles whatever the number type; the force
   // reads it in begin_step().
 
-  /// What it waits for; null for a force that nothing happens to.
+  /// The event that it waits for; null for a force that nothing happens to.
   virtual const Passing* waits_for() const { return nullptr; }
   virtual std::size_t control_count() const { return 0; }
   virtual void attach_control(double* control) { (void)control; }

@@ -6,7 +6,7 @@
 
 namespace tomlin {
 
-/// What may move of a body.
+/// Parts of a body that may move.
 enum class Coordinates {
   particles,   ///< every particle
   rigid,       ///< the body as a whole

@@ -58,7 +58,7 @@ class FileTextsInUse {
   std::set<std::string> names_;
 };
 
-/// What stands in a file that a scene names, or why it cannot be had.
+/// Text of a file that a scene names, or the reason why it cannot be had.
 struct FetchedText {
   std::string text;
   std::filesystem::path path;  ///< the folder included
@@ -69,7 +69,7 @@ struct FetchedText {
 FetchedText fetch_text(const std::string& name, const std::filesystem::path& folder,
                        const std::string& key);
 
-/// What a file holds that a scene names, or why not.
+/// Numbers of a file that a scene names, or the reason why there are none.
 struct FetchedNumbers {
   NumberFile file;
   std::filesystem::path path;  ///< the folder included

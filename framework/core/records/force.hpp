@@ -48,7 +48,7 @@ struct ForceFactories {
   }
 };
 
-/// What a force may ask about the scene when its description is checked.
+/// Facts about the scene for a force whose description is checked.
 struct SceneOutline {
   int dimension = 0;
   std::array<double, 3> box{};  ///< length of each periodic axis, else 0
@@ -60,7 +60,7 @@ struct SceneOutline {
     std::vector<std::string> species = {};  ///< that its particles are, each once; empty: none
   };
   std::vector<Body> bodies;  ///< those the force acts on, in the order named
-  /// Of the scene's file; `box` and descriptions are in the engine's units. For forces, not for
+  /// Units of the scene's file; `box` and descriptions are in the engine's. For forces, not for
   /// observers.
   UnitSystem units = UnitSystem::reduced;
 };
@@ -89,7 +89,7 @@ struct ForceRecord : ComponentRecord {
   Traits traits;
   /// Keeps its bodies at a temperature without noise; one that is stochastic does so by noise.
   bool thermostat = false;
-  /// Where the traits, or the element, depend on what a scene asks for; null: as above.
+  /// Traits and element that depend on what a scene asks for; null: as above.
   Traits (*traits_of)(const void* description) = nullptr;
   Element (*element_of)(const void* description) = nullptr;
   int fewest_bodies = 1;
@@ -109,7 +109,7 @@ struct ForceRecord : ComponentRecord {
   /// Over which the force changes by all that it changes, where no parameter is such a length; 0
   /// where there is none. Scales exactly with the unit of length, where that is a power of two.
   double (*length)(const void* description) = &no_length;
-  /// What `explain` says of the force besides its keys: of what it was given, how exact it is.
+  /// Text of `explain` on the force besides its keys: of what it was given, how exact it is.
   std::string (*note)(const void* description) = &no_note;
 
   ForceFactories bind;
@@ -132,7 +132,7 @@ inline Traits traits_of(const ForceRecord& record, const void* description) {
   return record.traits_of == nullptr ? record.traits : record.traits_of(description);
 }
 
-/// What it is evaluated on there.
+/// The element that it is evaluated on there.
 inline Element element_of(const ForceRecord& record, const void* description) {
   return record.element_of == nullptr ? record.element : record.element_of(description);
 }

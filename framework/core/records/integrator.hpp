@@ -68,7 +68,7 @@ struct IntegratorRecord : ComponentRecord {
   /// A fixed step does to every coordinate what it does to every other, and keeps nothing between
   /// steps: arrays may hold the coordinates of several runs (framework/core/system/lanes.hpp).
   bool in_lanes = false;
-  /// The same of an adaptive scheme: of the system of replicas that the layout describes.
+  /// Form of an adaptive scheme for lanes: over the system of replicas that the layout describes.
   std::unique_ptr<AdaptiveLanes> (*adaptive_lanes)(const LaneLayout& layout,
                                                    System<double>& system) = nullptr;
   /// Follows equilibria as the driver moves: for quasistatic dynamics, and for no other.

@@ -5,7 +5,7 @@
 
 namespace tomlin {
 
-/// What the neighbour lists of a force hold, as they were last made.
+/// Contents of a force's neighbour lists, as they were last made.
 struct NeighbourCount {
   double mean = 0.0;        ///< neighbours of a particle, within the cutoff and the skin
   std::size_t most = 0;     ///< of any particle
@@ -13,7 +13,7 @@ struct NeighbourCount {
   std::uint64_t bytes = 0;  ///< of all lists and what belongs to them
 };
 
-/// What a force with a cutoff is, too.
+/// Further interface of forces with a cutoff.
 class CountsNeighbours {
  public:
   virtual ~CountsNeighbours() = default;

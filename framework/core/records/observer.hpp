@@ -47,7 +47,7 @@ struct ObservedMoment {
   std::span<const ObservedDriver> drivers = {};  ///< all of the scene
 };
 
-/// What an observer has gathered over the window.
+/// Data that an observer has gathered over the window.
 struct ObservedWindow {
   double from = 0.0;  ///< times
   double to = 0.0;

@@ -66,7 +66,7 @@ inline constexpr Interval any_number{};
 inline constexpr Interval positive{.low = 0.0};
 inline constexpr Interval non_negative{.low = 0.0, .low_open = false};
 
-/// Which particle pairs of a body: `pairs = "all"`, `"neighbours"` or `[[0, 1], ...]`.
+/// Selection of particle pairs of a body: `pairs = "all"`, `"neighbours"` or `[[0, 1], ...]`.
 struct PairSelection {
   enum class Kind { all, neighbours, list } kind = Kind::neighbours;
   std::vector<std::array<std::int64_t, 2>> list;

@@ -6,8 +6,8 @@
 
 namespace tomlin {
 
-/// What a force is, too, whose pulled end can start elsewhere than its description says: where the
-/// end of another run's driver has come to.
+/// Further interface of forces whose support can start elsewhere than the description says: where
+/// the support of another run's driver has come to.
 class PulledEnd {
  public:
   virtual ~PulledEnd() = default;

@@ -19,7 +19,7 @@ inline constexpr const char* kSourceIsTheScene = "the scene that gives it";
 
 struct Complaint;  // framework/core/records/body.hpp
 
-/// What every component says about itself. A record without these is rejected when registered.
+/// Common data of all components. A record without these is rejected when registered.
 struct ComponentRecord {
   std::string name;  ///< `type = "..."` in a scene; the file's and, in CamelCase, the class's name
   std::string summary;   ///< one line
@@ -31,7 +31,7 @@ struct ComponentRecord {
   /// A default-constructed description; the rows of `parameters` assign its members.
   std::shared_ptr<void> (*make_description)() = nullptr;
 
-  /// Of bodies and forces: fetch what the description refers to, by paths relative to the scene's
+  /// Fetches what the description of a body or force refers to, by paths relative to the scene's
   /// folder; null where there is no such thing. Afterwards the description holds it by value, so
   /// that the effective scene runs anywhere. Called once, when all keys have been read.
   std::vector<Complaint> (*prepare)(void* description,

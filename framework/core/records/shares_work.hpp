@@ -4,7 +4,7 @@
 
 namespace tomlin {
 
-/// What a force whose evaluations several threads can share is, too.
+/// Further interface of forces whose evaluations several threads can share.
 class SharesWork {
  public:
   virtual ~SharesWork() = default;

@@ -2,7 +2,7 @@
 
 namespace tomlin {
 
-/// What a force is evaluated on.
+/// Elements that a force can be evaluated on.
 enum class Element { site, pair, triple, surroundings, body };
 
 /// Properties that a force declares. `tomlin check` verifies each; integrators read them.

@@ -32,16 +32,16 @@ inline constexpr double kBoltzmannInMetal = 1380649.0 / 16021766340.0;
 /// The atomic mass unit in eV ps^2/Angstrom^2: 1.0364269e-4.
 inline constexpr double kAtomicMassInMetal = 166053906660.0 / 1602176634000000.0;
 
-/// What 1 of a scene is in the engine's units. In metal units kelvins count as energies, and what
+/// The unit of a scene in the engine's units. In metal units kelvins count as energies, and what
 /// has mass and no time (a mass, a moment of inertia, a density) is in u; all else that has mass is
 /// made of eV (a stiffness, eV/Angstrom^2; a friction coefficient, eV ps/Angstrom^2), and is 1.
 double scene_unit(UnitSystem units, const Dimension& dimension);
 
 /// "eV/A" of a force in metal units, in reduced ones "mass*length/time^2"; "1" of a pure number.
 std::string unit_symbol(UnitSystem units, const Dimension& dimension);
-/// The same as tables have it: "force" and "energy" in reduced units.
+/// Form of unit_symbol() for tables: "force" and "energy" in reduced units.
 std::string unit_in_tables(UnitSystem units, const Dimension& dimension);
-/// The same for a unit as records of observers spell it, "length" or "mass/time^2"; any other,
+/// Form for tables of a unit that records of observers spell, "length" or "mass/time^2"; any other,
 /// "rad" or "1/s", as it is.
 std::string unit_in_tables(UnitSystem units, const std::string& unit);
 

@@ -24,7 +24,7 @@ struct ElasticBody {
   std::vector<double> root_mass;  ///< [count], square roots in power_of_two_above(mass[0])
   std::vector<double> shape;      ///< [n], relative to the centre of mass
 
-  // Of a body without bonds these are empty.
+  // These are empty for a body without bonds.
   std::vector<double> modes;        ///< Q, [mode * n + coordinate]
   std::vector<double> squares;      ///< squared angular frequencies, [mode]
   std::vector<double> equilibrium;  ///< where the bonds alone rest, [mode]

@@ -27,7 +27,7 @@
 /// doi:10.1007/978-3-319-16375-8, chapter 7.
 namespace tomlin {
 
-/// What a flow acts on.
+/// Arguments of a flow.
 template <class Real>
 struct FlowStage {
   const Real* position = nullptr;      ///< generalised coordinates, relative to the scene's origin
@@ -47,8 +47,8 @@ template <class Real>
 struct Flow {
   /// Returns the heat. Neither allocates nor throws.
   Real (*run)(const void* arguments, const FlowStage<Real>& stage, Real h) = nullptr;
-  /// The same as a force, for what lies within a step: adds it to stage.force, writes the rates of
-  /// its own variables, returns the power that it takes. Null: there is none, as of noise.
+  /// The operator as a force, for what lies within a step: adds it to stage.force, writes rates of
+  /// its internal variables, returns the power that it takes. Null: there is none, as of noise.
   Real (*drag)(const void* arguments, const Stage<Real>& stage) = nullptr;
   const void* arguments = nullptr;
   RandomKey key;  ///< for the stage; given by the model

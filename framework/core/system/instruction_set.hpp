@@ -15,7 +15,7 @@ constexpr auto word_table(InstructionSet) {
       {{baseline, "baseline"}, {avx2, "avx2"}, {avx512, "avx512"}});
 }
 
-// What a build leaves out: TOMLIN_INSTRUCTION_SETS in cmake/TomlinKernels.cmake.
+// A build may leave these out: TOMLIN_INSTRUCTION_SETS in cmake/TomlinKernels.cmake.
 #if defined(TOMLIN_KERNELS_AVX2)
 inline constexpr bool kCompiledForAvx2 = true;
 #else

@@ -16,7 +16,7 @@ template <class Real>
 struct SiteArguments {
   BodySlot<Real> body;
   const void* parameters = nullptr;  ///< the evaluator's Parameters<Real, D>
-  /// Where they differ: [number * body.stride + particle], as the numbers stand in `parameters`.
+  /// If they differ: [number * body.stride + particle], as the numbers stand in `parameters`.
   const Real* each = nullptr;
   const double* table = nullptr;  ///< for evaluators that read it
   const Real* start = nullptr;    ///< [axis * body.stride + particle], for evaluators that read it
@@ -129,7 +129,7 @@ struct PointForce {
   std::ptrdiff_t rate = kNoRate;
 };
 
-/// Where steps of such a particle began: row k is the start of step k.
+/// Starts of the steps of such a particle: row k is the start of step k.
 template <class Real>
 struct PointStarts {
   Real* rates = nullptr;
@@ -141,14 +141,14 @@ struct PointStarts {
   }
 };
 
-/// What a kernel over replicas gets, see lanes.hpp.
+/// Arguments of a kernel over replicas, see lanes.hpp.
 struct LaneArguments {
   const void* single = nullptr;     ///< the arguments of one run of the same structure
   const double* numbers = nullptr;  ///< [number * width + replica]
   double* scratch = nullptr;        ///< likewise
   std::size_t width = 0;            ///< replicas, a multiple of kGroup
   bool set = false;                 ///< write the forces; else add to what is there
-  // Where a number of one run stands among the numbers without padding.
+  // Indices of the numbers of one run among the numbers without padding.
   const std::size_t* coordinate = nullptr;
   const std::size_t* mapped = nullptr;
   const std::size_t* rate = nullptr;

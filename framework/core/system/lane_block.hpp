@@ -22,7 +22,7 @@ struct LaneRows {
 using LaneBlock = bool (*)(const SystemView<double>& lanes, double h, std::size_t steps,
                            const LaneRows& rows);
 
-/// Of a run of a single particle on a line with these kernels over lanes; null where there is none.
+/// Block for a run of one particle on a line with these kernels over lanes; null if there is none.
 using LaneBlockFinder = LaneBlock (*)(const System<double>& run,
                                       std::span<const Kernel<double>> forces);
 

@@ -45,7 +45,7 @@ struct LaneMap {
   }
 };
 
-/// What the arrays of replicas hold of each.
+/// Arrangement of the numbers of replicas in their arrays.
 struct LaneLayout {
   std::size_t width = 0;
   LaneMap coordinates;

@@ -36,7 +36,7 @@ struct EquilibriumState {
   std::vector<std::size_t> neutral_at;  ///< the coordinate that moves most, of each direction
 };
 
-/// What schemes that follow equilibria offer beside steps. A step ends at the latest where the
+/// Schemes that follow equilibria offer this beside steps. A step ends at the latest where the
 /// equilibrium loses its stability; the scene then slips to the next one, in no time.
 class EquilibriumPath {
  public:
@@ -52,8 +52,8 @@ class EquilibriumPath {
   /// It was a jump. Else the scene has only branched off: the next equilibrium begins where the
   /// last one has ended.
   virtual bool jumped() const = 0;
-  /// Where the last settle() or slip() was a tie, no force but rounding preferring the equilibrium
-  /// that it took: the coordinate in which that differs most from the other one.
+  /// If the last settle() or slip() was a tie, no force but rounding preferring the equilibrium
+  /// that it took, returns the coordinate in which that differs most from the other one.
   virtual std::optional<std::size_t> tied() const { return std::nullopt; }
   /// Before settle(): steady random forces, which displace the first equilibrium by about `size`,
   /// decide from then on where nothing stronger does. Those of streams 1 and 2, 3 and 4, ... are
@@ -68,7 +68,7 @@ class EquilibriumPath {
   /// The state there; returns the part of the step's time that has passed.
   virtual double moment(std::size_t k, double* position, double* velocity, double* rates) const = 0;
 
-  /// Of the present state.
+  /// Describes the present state.
   virtual EquilibriumState state(double since) = 0;
 
  protected:
@@ -89,7 +89,7 @@ class AdaptiveLanes {
  public:
   virtual ~AdaptiveLanes() = default;
 
-  /// What an attempt has come to: a step, a refusal (nothing taken, no fault), or the fault with
+  /// Outcome of an attempt: a step, a rejection (nothing taken, no fault), or the fault with
   /// which the step fails. The state of a failed step is the one before it.
   struct Attempt {
     double taken = 0.0;
@@ -128,7 +128,7 @@ class Integrator {
   /// failed step leaves the state as it was.
   virtual StepReport step_from(double since, double h, bool dense) = 0;
 
-  /// The same from a time of its own.
+  /// Makes one step from a time of its own.
   StepReport step(const DoubleDouble& time, double h, bool dense) {
     anchor(time);
     return step_from(0.0, h, dense);
@@ -182,7 +182,7 @@ class Integrator {
   virtual void get_lane(const LaneLayout& layout, std::size_t lane, RunState& run) const {
     (void)layout, (void)lane, (void)run;
   }
-  /// Of one run: whether these numbers are known. Before its first step they are not.
+  /// Whether these numbers of one run are known. Before its first step they are not.
   virtual bool is_started() const { return true; }
 
   /// For a scheme that follows equilibria; null for all others.

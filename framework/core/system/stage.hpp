@@ -21,7 +21,7 @@ struct Stage {
   const Real* own = nullptr;  ///< state variables owned by forces
   Real* rates = nullptr;      ///< time derivatives: of own variables, then of running integrals
   Real elapsed{};             ///< time since the start of the step
-  /// Of replicas in lanes whose steps differ, each one's own; null: `elapsed` is that of all.
+  /// Elapsed times of replicas in lanes whose steps differ; null: `elapsed` is that of all.
   const Real* elapsed_in_lanes = nullptr;
 };
 
@@ -38,7 +38,7 @@ struct Operation {
   const LaneForm* lanes = nullptr;  ///< of a heat: how the call is made over replicas, if it can be
 };
 
-/// Where the numbers of a body stand.
+/// Location of a body's numbers.
 template <class Real>
 struct BodySlot {
   std::size_t offset = 0;       ///< of the first particle's x

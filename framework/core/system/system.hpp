@@ -86,7 +86,7 @@ inline Stage<Real> stage_of(const SystemView<Real>& system, const Real* position
 
 struct ElasticBody;  // framework/core/system/elastic.hpp
 
-/// What integrators ask of the model between kernel calls.
+/// The model as integrators use it between kernel calls.
 template <class Real>
 struct System {
   SystemView<Real> view;

@@ -41,14 +41,14 @@ class Tangent {
  public:
   virtual ~Tangent() = default;
 
-  /// Where free coordinate k stands among position, velocity and force; its length is n.
+  /// Index of free coordinate k in position, velocity and force; the length is n.
   virtual const std::vector<std::size_t>& coordinates() const = 0;
   /// Mass (or moment of inertia, per turn squared) of free coordinate k, [n].
   virtual const std::vector<double>& masses() const = 0;
   /// Why there is no tangent of this scene: the first force whose derivatives are not known, or a
   /// matrix too large; empty when there is.
   virtual std::string unknown() const = 0;
-  /// What one linearise() is counted as beside its evaluation: so many evaluations of all forces,
+  /// Cost of one linearise() beside its evaluation, counted as so many evaluations of all forces,
   /// as differences would take them. n for a full matrix; for a band the groups of coordinates that
   /// can be displaced at once without meeting in a force, and one for each term beside it.
   virtual std::size_t columns() const = 0;

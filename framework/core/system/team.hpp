@@ -23,7 +23,7 @@ struct Team {
 
 inline namespace TOMLIN_TARGET {
 
-/// What `in_parts` hands to the members of a team.
+/// Loop that `in_parts` hands to the members of a team.
 template <class Use>
 struct SharedLoop {
   Use use;

@@ -117,9 +117,9 @@ void ThreadTeam::share(void* threads, std::size_t parts, TeamPart part, const vo
   }
 }
 
-/// Of the present piece of work, whichever it is; false where none is left. The calling thread
-/// begins with the first part and the others with the last: of what is shared again and again, each
-/// finds its own in its cache.
+/// Runs a part of the present piece of work, whichever it is; false where none is left. The calling
+/// thread begins with the first part and the others with the last: when the same work is shared
+/// again and again, each finds its own in its cache.
 bool ThreadTeam::take_part(std::size_t member) {
   std::uint64_t word = next_.load(std::memory_order_acquire);
   do {

@@ -35,7 +35,7 @@ class ThreadTeam {
 
   TeamPart part_ = nullptr;  ///< of the present piece of work; stays until all parts are done
   const void* work_ = nullptr;
-  /// Which piece of work it is, how many parts it has, how many of the first and of the last are
+  /// Number of the piece of work, number of its parts, how many of the first and of the last are
   /// taken: 28 bits, and 12 each.
   alignas(kApart) std::atomic<std::uint64_t> next_{0};
   alignas(kApart) std::atomic<std::uint32_t> done_{0};    ///< parts

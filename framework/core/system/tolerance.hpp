@@ -4,7 +4,7 @@
 
 #include "framework/core/system/system.hpp"
 
-/// What errors of a bound scene are held against. SystemView::tolerance_scale is a block of
+/// Scales for errors of a bound scene. SystemView::tolerance_scale is a block of
 ///   dofs    coordinate times this is a part of the scene's length, or an angle in rad
 ///   dofs    velocity times this is such a part in the scene's time
 ///   dofs    coordinate times this is a length; of an angle, that of an arc at the scene's length

@@ -6,7 +6,7 @@
 
 namespace tomlin {
 
-/// What scenes, results and messages call the axes of space.
+/// Names of the axes of space in scenes, results and messages.
 inline constexpr const char* kAxisNames[] = {"x", "y", "z"};
 
 /// The values are the indices of the axes.

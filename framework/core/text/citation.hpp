@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-/// What a source names, so that it can be cited.
+/// Works that a source names, so that they can be cited.
 namespace tomlin {
 
 /// A work, and where in it what is taken from it stands.
@@ -17,7 +17,7 @@ struct Citation {
 /// DOI is the place; a work without a DOI is taken whole.
 std::vector<Citation> citations(std::string_view source);
 
-/// What a work is known by: its DOI, in small letters as DOIs are compared, or else its text.
+/// Identity of a work: its DOI, in small letters as DOIs are compared, or else its text.
 std::string identity_of(const Citation& citation);
 
 }  // namespace tomlin

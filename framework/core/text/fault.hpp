@@ -9,7 +9,7 @@
 
 namespace tomlin {
 
-/// Where something was written: a file (or "--set") with 1-based line and column; line 0 = unknown.
+/// Position of a text: a file (or "--set") with 1-based line and column; line 0 = unknown.
 struct Place {
   std::string file;
   int line = 0;

@@ -38,7 +38,7 @@ enum class FaultCode {
   expression_unknown_name,
   expression_not_finite,
   expression_cycle,
-  // What is consistent as text and not as physics.
+  // These are consistent as text and not as physics.
   component_invalid,
   component_unsuitable,
   component_no_species,

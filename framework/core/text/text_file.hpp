@@ -6,7 +6,7 @@
 
 namespace tomlin {
 
-/// What stands in a file, or why it cannot be had.
+/// Contents of a file, or the reason why it cannot be had.
 struct TextFile {
   std::string text;
   std::string why;         ///< empty when the text is there, or too much of it

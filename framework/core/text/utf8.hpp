@@ -6,7 +6,7 @@
 /// Text that comes from elsewhere is UTF-8 or none.
 namespace tomlin {
 
-/// What some editors put before a text; it is no part of it.
+/// Some editors put this mark before a text; it is no part of it.
 inline constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 /// Length of the longest start of the text that is UTF-8.

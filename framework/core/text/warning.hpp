@@ -8,12 +8,12 @@
 
 namespace tomlin {
 
-/// What is no reason to refuse a scene or to end a run, and limits what results mean. Its code is
+/// A finding that neither refuses a scene nor ends a run, and limits what results mean. Its code is
 /// one of a warning or, where it announces that a run would be refused, that of the refusal.
 struct Warning {
   FaultCode code;
   std::string text;
-  /// What it is about: a key of the scene ("body.tip.velocity"), a component ("force.bonds"), or
+  /// Subject: a key of the scene ("body.tip.velocity"), a component ("force.bonds"), or
   /// results ("drivers.driver", "bodies.tip"); empty for the run as a whole.
   std::string key = {};
 };

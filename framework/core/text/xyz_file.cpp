@@ -20,7 +20,7 @@ constexpr std::size_t kAxes = 3;
 constexpr std::string_view kNoElement = "X";
 constexpr std::string_view kStandardProperties = "species:S:1:pos:R:3";
 
-/// Of a text, one after the other.
+/// Lines of a text, one after the other.
 class Lines {
  public:
   explicit Lines(std::string_view text) : rest_(text) {}
@@ -101,7 +101,7 @@ std::optional<std::string> value_in(std::string_view line, std::string_view want
   return std::nullopt;
 }
 
-/// What a column is for.
+/// Purpose of a column.
 enum class ColumnUse { skipped, species, position, velocity, mass };
 
 struct Property {
@@ -196,7 +196,7 @@ class XyzReader {
     frame_.faults.push_back(fmt::format("{}:{}: {}", name_, line, why));
   }
 
-  /// Where each begins; of a file that ends too early none.
+  /// Finds the start of each frame; none in a file that ends too early.
   std::vector<FrameText> frames_in() {
     std::vector<FrameText> frames;
     Lines lines(text_);

@@ -8,7 +8,7 @@
 namespace tomlin::kim {
 namespace {
 
-/// What a string of TeX says, without braces.
+/// Text of a string of TeX, without braces.
 std::string plain(const std::string& text) {
   std::string kept;
   for (const char c : text) {

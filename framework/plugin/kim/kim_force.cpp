@@ -97,7 +97,7 @@ class ModelAtWork {
     return true;
   }
 
-  /// What acts on images acts on their atoms.
+  /// Adds the forces on images to their atoms.
   void collect(const Configuration& seen, std::vector<double>& on_atoms) {
     on_atoms.assign(3 * around.count(), 0.0);
     for (std::size_t k = 0; k < seen.seen().count(); ++k) {
@@ -259,7 +259,7 @@ class KimForce : public BoundForce<double>, public CountsNeighbours {
 
   std::unique_ptr<ModelAtWork> work_;
   double shortest_ = 0.0;
-  // Where a column of second derivatives is made.
+  // Scratch for a column of second derivatives.
   mutable std::vector<double> behind_;
   mutable std::vector<double> before_;
   mutable std::vector<std::uint32_t> seen_;

@@ -26,7 +26,7 @@ int keep_entry(const std::string& entry) {
   return 0;
 }
 
-/// What an entry of the log says: behind its time, its kind and where it comes from.
+/// Message of an entry of the log: it comes after the time, the kind and the origin.
 std::string said(const std::string& entry) {
   std::string text = entry.substr(0, entry.find_last_not_of(" \r\n") + 1);
   const std::size_t at = text.rfind(" * ");
@@ -51,7 +51,7 @@ struct DestroyCollections {
   void operator()(KIM::Collections* collections) const { KIM::Collections::Destroy(&collections); }
 };
 
-/// What is installed.
+/// Items that are installed.
 class Installed {
  public:
   Installed() {
@@ -134,7 +134,7 @@ std::string units_of(const KIM::Model& model) {
   return energy.ToString() + " and " + length.ToString();
 }
 
-/// What the model needs and is not given; empty where there is nothing.
+/// A need of the model that is not met; empty where there is none.
 std::string unmet_need(const Loaded& loaded) {
   int count = 0;
   KIM::MODEL_ROUTINE_NAME::GetNumberOfModelRoutineNames(&count);

@@ -18,7 +18,7 @@ class Model;
 /// Angstrom, energies in eV, forces in eV/Angstrom.
 namespace tomlin::kim {
 
-/// What a model says of itself, or why it cannot be used.
+/// Facts that a model gives about itself, or the reason why it cannot be used.
 struct ModelFacts {
   std::string why;  ///< empty: it can
   std::string admissible;
@@ -31,12 +31,12 @@ struct ModelFacts {
   std::string id;                    ///< "MO_405512056662_005"; empty: it has none
   std::string citation;              ///< of the work that it says it is from; empty: it says none
 
-  /// Of all lists and of the influence.
+  /// The largest of the cutoffs of all lists and of the influence distance.
   double reach() const;
 };
 ModelFacts examine_model(const std::string& name);
 
-/// Of the particles that a model sees: [start of i, start of i + 1) are those near particle i.
+/// Neighbours of the particles that a model sees: [start of i, start of i + 1) are near particle i.
 struct ModelList {
   std::vector<std::size_t> start;
   std::vector<int> neighbours;

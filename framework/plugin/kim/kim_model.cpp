@@ -29,7 +29,7 @@ std::vector<Complaint> prepare_model(KimModelDescription& d, const std::filesyst
   return {complaint};
 }
 
-/// Of a description that has not been prepared, too.
+/// Returns the facts also of a description that has not been prepared.
 kim::ModelFacts facts_of(const KimModelDescription& d) {
   return d.facts ? *d.facts : kim::examine_model(d.model);
 }

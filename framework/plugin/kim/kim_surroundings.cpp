@@ -7,7 +7,7 @@
 namespace tomlin::kim {
 namespace {
 
-/// Of distances, kept for rounding: models compare them once more.
+/// Distances have this room for rounding: models compare them once more.
 constexpr double kRoundingRoom = 1.0 + 1e-9;
 /// Kept where places are about to move.
 constexpr double kMovingRoom = 1.02;
@@ -37,7 +37,7 @@ Image image_in(std::uint64_t key) {
   return image;
 }
 
-/// Of an image that is in the box or next to it, from 0 to 26.
+/// Number of an image that is in the box or next to it, from 0 to 26.
 int number_around(const Image& image) {
   return (image[0] + 1) * 9 + (image[1] + 1) * 3 + (image[2] + 1);
 }
@@ -101,7 +101,7 @@ void Surroundings::make_rows(std::size_t one, std::size_t other) {
     for (const Neighbour& found : finder.of(i)) {
       Near near;
       near.particle = static_cast<std::uint32_t>(first_[other] + found.particle);
-      // Of the places as they are, not as they are taken into the box.
+      // Images belong to the positions as they are, not as they are taken into the box.
       for (std::size_t d = 0; d < 3; ++d) {
         if (box_[d] > 0.0)
           near.image[d] = static_cast<std::int8_t>(std::lround(found.shift[d] / box_[d]));
@@ -160,7 +160,7 @@ void Configuration::assemble_about(const Surroundings& around, std::uint32_t par
   list_neighbours(around, kMovingRoom);
 }
 
-/// What is within reach of those that contribute. Where all do, the images are those around the
+/// Adds all within reach of those that contribute. If all do, the images are those around the
 /// box, and each is noted once.
 void Configuration::see_others(const Surroundings& around, double reach) {
   others_.clear();

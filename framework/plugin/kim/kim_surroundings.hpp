@@ -37,7 +37,7 @@ class Surroundings {
   std::size_t first_of(std::size_t body) const { return first_[body]; }
   NeighbourCount neighbours() const;
 
-  /// Of the atom, taken into the box by whole lengths: the image of it that counts as its own.
+  /// Position of an image of an atom. Its own image is the one taken into the box by whole lengths.
   std::array<double, 3> place(std::uint32_t particle, const Image& image) const {
     std::array<double, 3> at{};
     for (std::size_t d = 0; d < 3; ++d) {
@@ -84,7 +84,7 @@ class Surroundings {
   std::vector<std::int64_t> cell_;  ///< [atom][axis]: so many lengths of the box were taken off
 };
 
-/// What a model sees of the surroundings, for the energies of all atoms or of some. Particles of
+/// A model's view of the surroundings, for the energies of all atoms or of some. Particles of
 /// other images, and those that are there for others' sake, come behind, in ascending order; so do
 /// neighbours. It follows from the places alone: a list that holds more than it needs to, since it
 /// was made earlier or later, changes nothing.
@@ -100,9 +100,9 @@ class Configuration {
 
   const SeenParticles& seen() const { return seen_; }
   SeenParticles& seen() { return seen_; }
-  /// Which atom a particle is an image of.
+  /// The atom that a particle is an image of.
   std::uint32_t atom_of(std::size_t seen) const { return particle_of_[seen]; }
-  /// Where an image stands among the particles; -1: it is not seen.
+  /// Index of an image among the particles; -1: it is not seen.
   std::ptrdiff_t number_of(std::uint32_t particle, const Image& image) const;
   std::size_t bytes() const;
 
