@@ -35,7 +35,7 @@ std::int64_t AdaptiveSteps::steps_for_lanes() {
   return kBlock - taken % kBlock;
 }
 
-void AdaptiveSteps::took(std::int64_t steps, const DoubleDouble& time) {
+void AdaptiveSteps::count_steps(std::int64_t steps, const DoubleDouble& time) {
   run_.clock.add(steps, 0);
   run_.clock.set(time);
   run_.clock.keep_cost(run_.model.system());

@@ -10,7 +10,7 @@ class AdaptiveSteps : public Stepping {
   explicit AdaptiveSteps(StepParts parts) : Stepping(std::move(parts)) {}
   void advance(std::uint64_t most) override;
   std::int64_t steps_for_lanes() override;
-  void took(std::int64_t steps, const DoubleDouble& time) override;
+  void count_steps(std::int64_t steps, const DoubleDouble& time) override;
 
  protected:
   void look(const DoubleDouble& from, const DoubleDouble& to) override {

@@ -38,7 +38,7 @@ struct Engine::Parts {
   void go_on();
   void advance(std::uint64_t steps);
   std::int64_t steps_for_lanes();
-  bool took(std::int64_t steps, const DoubleDouble& time);
+  bool count_steps(std::int64_t steps, const DoubleDouble& time);
   void step_alone(std::uint64_t limit);
   void look_if_due();
   RunResult run_all();
@@ -263,10 +263,10 @@ std::int64_t Engine::Parts::steps_for_lanes() {
   return steps;
 }
 
-bool Engine::Parts::took(std::int64_t steps, const DoubleDouble& time) {
+bool Engine::Parts::count_steps(std::int64_t steps, const DoubleDouble& time) {
   const std::uint64_t rebased = run.model.rebases();
   run.attempt([&] {
-    stepping->took(steps, time);
+    stepping->count_steps(steps, time);
     look_if_due();
   });
   return run.model.rebases() != rebased;
@@ -373,9 +373,9 @@ const std::optional<PluginError>& Engine::thrown() const { return parts_->run.ou
 void Engine::resume(const std::vector<std::byte>& numbers) { parts_->resume(numbers); }
 void Engine::advance(std::uint64_t steps) { parts_->advance(steps); }
 std::int64_t Engine::steps_for_lanes() { return parts_->steps_for_lanes(); }
-bool Engine::took(std::int64_t steps, const DoubleDouble& time, std::uint64_t evaluations) {
+bool Engine::count_steps(std::int64_t steps, const DoubleDouble& time, std::uint64_t evaluations) {
   parts_->run.model.system().evaluations += evaluations;
-  return parts_->took(steps, time);
+  return parts_->count_steps(steps, time);
 }
 bool Engine::watches_steps() const { return parts_->observation.watches(); }
 void Engine::watch(std::int64_t first, std::size_t count, const PointStarts<double>& starts) {

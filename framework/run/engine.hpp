@@ -55,11 +55,11 @@ class Engine {
   /// For a batch that takes steps of several runs together (lane_batch.hpp): how many there are
   /// before this run has to do anything itself, in whole blocks of kBlock; 0: step_alone().
   std::int64_t steps_for_lanes();
-  /// They have been taken, or some of them, up to a time and with so many evaluations; the state is
+  /// Counts steps that a batch has taken up to a time, with so many evaluations; the state is
   /// the one after. True where the origin has moved, and with it the state.
-  bool took(std::int64_t steps, const DoubleDouble& time, std::uint64_t evaluations);
-  /// Steps have to be shown to watch() before took(), those of a block together, from the first of
-  /// them on: of a single particle on a line.
+  bool count_steps(std::int64_t steps, const DoubleDouble& time, std::uint64_t evaluations);
+  /// Steps have to be shown to watch() before count_steps(), those of a block together, from the
+  /// first of them on: of a single particle on a line.
   bool watches_steps() const;
   void watch(std::int64_t first, std::size_t count, const PointStarts<double>& starts);
   /// An adaptive step that would end at this time or later is taken by the run itself, outside of

@@ -252,7 +252,7 @@ std::size_t DriverWatch::sticking(const double* times, const double* forces, std
 }
 
 void DriverWatch::look(const Emit& emit, const Heat& heat) {
-  if (watches_slips() && slips_ == Slips::looked_for) {
+  if (watches_slips() && slips_ == Slips::detected) {
     if (busy_[kWells] != 0 && force_.value(0) < force_.value(1)) busy_[kMoved] = 1;
     if (busy_[kSlipping] != 0) note_heat(heat);
     look_for_slip(emit);

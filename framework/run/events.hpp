@@ -85,9 +85,9 @@ class LastPoints {
 /// and reversals are not looked for.
 class DriverWatch {
  public:
-  /// With `precision`, the unit roundoff of forces. Slips that a scheme tells of are not looked
-  /// for.
-  enum class Slips { looked_for, told };
+  /// With `precision`, the unit roundoff of forces. Slips that the scheme reports are not
+  /// detected.
+  enum class Slips { detected, reported };
   DriverWatch(std::size_t driver, const Drive& drive, double period, double precision, Slips slips);
 
   static constexpr std::size_t kReals = 3 * LastPoints::kReals + 21;

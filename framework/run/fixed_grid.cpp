@@ -76,7 +76,7 @@ std::int64_t FixedGrid::blocks_before(double time) const {
   return std::max<std::int64_t>(blocks, 1);
 }
 
-void FixedGrid::took(std::int64_t steps, const DoubleDouble&) {
+void FixedGrid::count_steps(std::int64_t steps, const DoubleDouble&) {
   run_.clock.add(steps, steps);
   run_.clock.keep_cost(run_.model.system());
   run_.clock.set(two_prod(static_cast<double>(run_.clock.grid_steps()), run_.plan.dt));

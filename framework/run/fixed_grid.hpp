@@ -15,7 +15,7 @@ class FixedGrid : public Stepping {
   explicit FixedGrid(StepParts parts);
   void advance(std::uint64_t most) override;
   std::int64_t steps_for_lanes() override;
-  void took(std::int64_t steps, const DoubleDouble& time) override;
+  void count_steps(std::int64_t steps, const DoubleDouble& time) override;
   void state_changed() override {
     plain_left_ = 0;
     on_grid_ = false;

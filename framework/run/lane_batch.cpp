@@ -141,7 +141,7 @@ bool LaneBatch::bring_back(std::size_t k) {
   }
   const std::int64_t taken = std::exchange(lane.taken, 0);
   steps_ += static_cast<std::uint64_t>(taken);
-  return !lane.run->took(taken, lane.now, std::exchange(lane.evaluations, 0));
+  return !lane.run->count_steps(taken, lane.now, std::exchange(lane.evaluations, 0));
 }
 
 void LaneBatch::release() {

@@ -230,7 +230,7 @@ void check_inertia(Check& check) {
 
 /// Places are whole periods and an offset, or plain numbers along an axis without a period. There
 /// they get coarser with the distance from zero, however short the ways that matter are.
-void check_places(Check& check) {
+void check_positions(Check& check) {
   const double last_place = last_place_of(check.scene.run.number_type);
   const SystemView<double>& view = check.model.system().view;
   for (const Model::Body& body : check.model.bodies()) {
@@ -289,7 +289,7 @@ void check_places(Check& check) {
 /// Changes with time by itself have a time scale: a fixed step that does not resolve it is
 /// warned of, and that of an adaptive scheme, whose error estimate may step over a pulse, bounded
 /// by it. A prescribed body may no more jump over a period in a step than a free one.
-void check_ways(Check& check) {
+void check_time_scales(Check& check) {
   for (const TimeDependence& change : time_dependences(check.model)) {
     const double longest = resolving_step(change, kMissedChange, check.plan.duration);
     if (check.plan.dt == 0.0) {
@@ -564,8 +564,8 @@ StartFindings check_start(Model& model, const RunPlan& plan, bool checks_step) {
   }
   if (checks_step) check_step(check);
   check_inertia(check);
-  check_places(check);
-  check_ways(check);
+  check_positions(check);
+  check_time_scales(check);
   check_drag(check);
   check_noise(check);
   warn_of_hot_baths(check);

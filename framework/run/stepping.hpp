@@ -35,8 +35,8 @@ class Stepping {
   /// How many steps from here on have nothing to be served between them, for a batch of runs that
   /// takes them together (lane_batch.hpp): whole blocks of kBlock. 0: the run goes on by itself.
   virtual std::int64_t steps_for_lanes() { return 0; }
-  /// They have been taken, or some of them, up to a time; the numbers of the state are those after.
-  virtual void took(std::int64_t steps, const DoubleDouble& time) = 0;
+  /// Counts steps that a batch has taken up to a time; the numbers of the state are those after.
+  virtual void count_steps(std::int64_t steps, const DoubleDouble& time) = 0;
   /// The run continues from other numbers.
   virtual void state_changed() {}
 

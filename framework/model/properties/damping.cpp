@@ -144,7 +144,7 @@ std::optional<PropertyResult> dissipative(ForceUnderTest& e) {
       const double positive = power.sum < 0.0 ? 0.0 : power.sum;
       e.note(positive, 0.0, power.size, kRounding * power.size, moving);
     }
-    e.looked();
+    e.count_state();
   }
   return e.end();
 }
@@ -186,7 +186,7 @@ std::optional<PropertyResult> friction(ForceUnderTest& e) {
       }
       e.note(drag, due, size, kRounding * size * static_cast<double>(e.count()), moving);
     }
-    e.looked();
+    e.count_state();
   }
   return e.end();
 }
@@ -221,7 +221,7 @@ std::optional<PropertyResult> friction_bound(ForceUnderTest& e) {
       e.note(std::max(0.0, change - largest), 0.0, size,
              kRounding * size * static_cast<double>(e.count()), moving);
     }
-    e.looked();
+    e.count_state();
   }
   return e.end();
 }
@@ -267,7 +267,7 @@ std::optional<PropertyResult> balance(ForceUnderTest& e) {
     const double allowed = kRounding * (size + noise + sensitivity * (speed + drive)) + gain.error +
                            kSmallest * (1.0 + speed);
     e.note(-taken.sum, gain.value + heat - work, size, allowed, *state);
-    e.looked();
+    e.count_state();
   }
   return e.end();
 }

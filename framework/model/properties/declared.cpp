@@ -47,7 +47,7 @@ std::optional<PropertyResult> not_conservative(ForceUnderTest& e) {
         },
         kLongestDifference * e.length());
     const double apart = std::abs(work(forces, direction) + slope.best);
-    if (apart > kDifferent * effort(forces, direction)) e.saw(state);
+    if (apart > kDifferent * effort(forces, direction)) e.note_shown(state);
   }
   return e.end();
 }
@@ -65,7 +65,7 @@ std::optional<PropertyResult> not_internal(ForceUnderTest& e) {
     const double net = std::hypot(total[0], total[1], total[2]);
     // Forces that vanish sum to their rounding.
     const double rounding = kRounding * e.sensitivity(state) * static_cast<double>(e.count());
-    if (net > kDifferent * size + rounding) e.saw(state);
+    if (net > kDifferent * size + rounding) e.note_shown(state);
   }
   return e.end();
 }
@@ -78,7 +78,7 @@ std::optional<PropertyResult> uses_velocity(ForceUnderTest& e) {
     for (std::size_t i = 0; i < e.count(); ++i) {
       other.v[i] = -3.0 * state.v[i] + e.length() * e.variable(i).unit;
     }
-    if (differ(all_numbers(e, other), all_numbers(e, state))) e.saw(state);
+    if (differ(all_numbers(e, other), all_numbers(e, state))) e.note_shown(state);
   }
   return e.end();
 }
@@ -92,7 +92,7 @@ std::optional<PropertyResult> uses_time(ForceUnderTest& e) {
     for (const double by : {0.37 * e.alone().model().scene().run.duration, state.time}) {
       later.time = state.time + by;
       if (!differ(all_numbers(e, later), all_numbers(e, state))) continue;
-      e.saw(state);
+      e.note_shown(state);
       break;
     }
   }

@@ -16,7 +16,7 @@ std::optional<PropertyResult> finite(ForceUnderTest& e) {
     const std::vector<double> forces = e.forces(*state);
     const double energy = e.alone().energy(state->time);
     const bool overflowed = std::fetestexcept(FE_OVERFLOW) != 0;
-    e.looked();
+    e.count_state();
     std::size_t lost = kNone;
     for (std::size_t i = e.count(); i-- > 0;) {
       if (!std::isfinite(forces[i])) lost = i;

@@ -53,7 +53,7 @@ std::optional<PropertyResult> look_at_operator(ForceUnderTest& e, const char* pr
           e.note(found, due, std::abs(due), allowed, state);
         });
     look(check);
-    e.looked();
+    e.count_state();
   }
   return e.end();
 }

@@ -363,13 +363,13 @@ PropertyResult ForceUnderTest::end() {
   return now_;
 }
 
-void ForceUnderTest::saw(const State& state) {
-  looked();
+void ForceUnderTest::note_shown(const State& state) {
+  count_state();
   note(0.0, 0.0, 0.0, 0.0, state);
 }
 
 void ForceUnderTest::contradict(double found, double due) {
-  looked();
+  count_state();
   note(found, due, 1.0, -1.0, start_);
 }
 

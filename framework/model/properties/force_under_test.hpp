@@ -149,9 +149,9 @@ class ForceUnderTest {
 
   void begin(const char* property, const char* meaning);
   PropertyResult end();
-  void looked() { ++now_.states; }
+  void count_state() { ++now_.states; }
   /// Notes that something which has to be seen somewhere was seen at this state.
-  void saw(const State& state);
+  void note_shown(const State& state);
   /// A contradiction within what is declared, which no state shows: `found` of something for `due`.
   void contradict(double found, double due);
   /// `found` against `due`, at a state where `size` is the size of what is compared.

@@ -129,7 +129,7 @@ std::optional<PropertyResult> conservative(ForceUnderTest& e) {
     const bool together = compare_by_differences(e, state, e.random_direction(random), kNone);
     const std::size_t chosen = random.below(e.count());
     const bool alone = compare_by_differences(e, state, e.along(chosen), chosen);
-    if (together || alone) e.looked();
+    if (together || alone) e.count_state();
   }
   return e.end();
 }
@@ -144,7 +144,7 @@ std::optional<PropertyResult> exact(ForceUnderTest& e) {
     const double sensitivity = e.sensitivity(*state);
     const bool numbers = std::isfinite(e.largest(forces)) && std::isfinite(sensitivity);
     if (!numbers && state->place != Place::near && state->place != Place::start) continue;
-    e.looked();
+    e.count_state();
     const bool together =
         compare_exactly(e, *state, e.random_direction(random), forces, sensitivity, kNone);
     const std::size_t chosen = random.below(e.count());

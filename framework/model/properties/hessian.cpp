@@ -140,7 +140,7 @@ std::optional<PropertyResult> hessian(ForceUnderTest& e) {
     Curvature curvature(e, seen, along, e.alone().model());
     twin->bound().hessian(twin->stage(), curvature);
     if (!curvature.given) return std::nullopt;
-    if (compare_curvature(e, state, along, seen, curvature)) e.looked();
+    if (compare_curvature(e, state, along, seen, curvature)) e.count_state();
   }
   return e.end();
 }

@@ -93,7 +93,7 @@ std::optional<PropertyResult> periodic(ForceUnderTest& e) {
                allowed * e.length() * static_cast<double>(e.count()) + kRounding * size, moved);
       }
     }
-    e.looked();
+    e.count_state();
   }
   return e.end();
 }
@@ -120,7 +120,7 @@ std::optional<PropertyResult> rebase(ForceUnderTest& e) {
       }
       twin->rebase(first);
     }
-    e.looked();
+    e.count_state();
   }
   return e.end();
 }
@@ -163,7 +163,7 @@ std::optional<PropertyResult> origin(ForceUnderTest& e) {
         e.note_same(twin->energy(), energy, state);
       }
     }
-    e.looked();
+    e.count_state();
   }
   return e.end();
 }
@@ -181,7 +181,7 @@ std::optional<PropertyResult> velocity(ForceUnderTest& e) {
       }
       e.note_same(e.forces(other), due, other);
     }
-    e.looked();
+    e.count_state();
   }
   return e.end();
 }
@@ -199,7 +199,7 @@ std::optional<PropertyResult> time(ForceUnderTest& e) {
   for (const State& state : e.near()) {
     const std::vector<double> before = forces_of(e, state, *twin);
     const double energy = twin->energy();
-    e.looked();
+    e.count_state();
     if (!depends) {
       State later = state;
       later.time = 2.0 * state.time + 1.0;
@@ -234,7 +234,7 @@ std::optional<PropertyResult> repeatable(ForceUnderTest& e) {
       e.note_same(e.forces(states[k]), forces[k], states[k]);
       e.note_same(e.alone().energy(states[k].time), energies[k], states[k]);
     }
-    e.looked();
+    e.count_state();
   }
   return e.end();
 }

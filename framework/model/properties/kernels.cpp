@@ -105,7 +105,7 @@ std::optional<PropertyResult> set_and_add(ForceUnderTest& e) {
     const auto twin = e.twin(set);
     for (const State& state : e.near()) compare_set_with_add(e, state, *twin);
   }
-  for (std::size_t k = 0; k < e.near().size(); ++k) e.looked();
+  for (std::size_t k = 0; k < e.near().size(); ++k) e.count_state();
   return e.end();
 }
 
@@ -125,7 +125,7 @@ std::optional<PropertyResult> padding(ForceUnderTest& e) {
       }
     }
   }
-  for (std::size_t k = 0; k < e.near().size(); ++k) e.looked();
+  for (std::size_t k = 0; k < e.near().size(); ++k) e.count_state();
   return e.end();
 }
 
@@ -159,7 +159,7 @@ std::optional<PropertyResult> point(ForceUnderTest& e) {
       e.note_same_numbers(found, due, *state);
     }
   }
-  for (std::size_t k = 0; k < e.everywhere().size(); ++k) e.looked();
+  for (std::size_t k = 0; k < e.everywhere().size(); ++k) e.count_state();
   return e.end();
 }
 

@@ -137,7 +137,7 @@ std::optional<PropertyResult> same_bits(ForceUnderTest& e) {
       e.note_same_numbers(found.others, first->others, *state);
     }
     e.note_same(first->forces, forces, *state);
-    e.looked();
+    e.count_state();
   }
   return e.end();
 }
@@ -147,7 +147,7 @@ std::optional<PropertyResult> number_types(ForceUnderTest& e) {
   e.begin("number types", "the same in double and quadruple precision, each to its rounding");
   const auto in_double = e.twin();
   for (const State* state : e.everywhere()) {
-    if (compare_with_exact(e, *in_double, *state)) e.looked();
+    if (compare_with_exact(e, *in_double, *state)) e.count_state();
   }
   return e.end();
 }
@@ -163,7 +163,7 @@ std::optional<PropertyResult> digits(ForceUnderTest& e) {
     if (e.terms(state).size > 0.0) return std::nullopt;
     const double sensitivity = e.sensitivity(state);
     changes = changes || sensitivity > 0.0;
-    if (std::isfinite(sensitivity) && rounds(e, *in_double, state)) e.saw(state);
+    if (std::isfinite(sensitivity) && rounds(e, *in_double, state)) e.note_shown(state);
   }
   if (!changes) return std::nullopt;
   return e.end();

@@ -142,7 +142,7 @@ std::optional<PropertyResult> path(ForceUnderTest& e) {
     for (int piece = 0; piece < pieces && e.holds(); ++piece) {
       compared = compare_along(e, path, piece * width, (piece + 1) * width) || compared;
     }
-    if (compared) e.looked();
+    if (compared) e.count_state();
   }
   return e.end();
 }

@@ -109,7 +109,7 @@ std::optional<PropertyResult> quadruple(ForceUnderTest& e) {
     } else {
       compare_heat(e, *state);
     }
-    e.looked();
+    e.count_state();
   }
   return e.end();
 }

@@ -167,7 +167,7 @@ std::optional<PropertyResult> stiffness(ForceUnderTest& e) {
       compared = compare_blocks(e, *twin, here) ||
                  compare_slope(e, here, random.below(e.count())) || compared;
     }
-    if (compared) e.looked();
+    if (compared) e.count_state();
   }
   return e.end();
 }
@@ -186,7 +186,7 @@ std::optional<PropertyResult> tight(ForceUnderTest& e) {
       const auto largest = largest_curvature(e, *twin, here);
       if (!largest) return std::nullopt;
       if (largest->most > kTightness * bound) {
-        e.saw(here);
+        e.note_shown(here);
         break;
       }
     }

@@ -109,7 +109,7 @@ std::optional<PropertyResult> internal(ForceUnderTest& e) {
     const double terms = e.terms(*state).size;
     const double here = terms + e.largest(e.forces(*state));
     if (!close && !std::isfinite(here)) continue;
-    e.looked();
+    e.count_state();
     if (close) near = std::max(near, here);
     const double largest = close ? near : here;
     const SingleForce::Wrench total = total_of(e);
@@ -148,7 +148,7 @@ std::optional<PropertyResult> driver(ForceUnderTest& e) {
     const double size = (e.largest(forces) + e.terms(state).size) * static_cast<double>(e.count());
     double power = 0.0;
     double fastest = 0.0;
-    e.looked();
+    e.count_state();
     for (std::size_t d = 0; d < axes; ++d) {
       e.note(rates[first + d], total.force[d], size, rounding * size, state);
       power += total.force[d] * drive->velocity[d];
@@ -185,7 +185,7 @@ std::optional<PropertyResult> its_own(ForceUnderTest& e) {
       const double size = kBackground + std::abs(added[k]);
       e.note(found[k], kBackground + added[k], size, kRounding * size, state);
     }
-    e.looked();
+    e.count_state();
     const auto elsewhere = static_cast<double>(watched.changed_elsewhere(kBackground));
     e.note(elsewhere, 0.0, 1.0, 0.0, state);
     for (std::size_t i = 0; i < e.count(); ++i) {

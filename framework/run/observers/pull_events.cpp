@@ -175,7 +175,7 @@ PullEvents::PullEvents(const ObserverParts& parts)
     }
     watches_.emplace_back(
         k, drive, period, kUnitRoundoff,
-        follows_path() ? DriverWatch::Slips::told : DriverWatch::Slips::looked_for);
+        follows_path() ? DriverWatch::Slips::reported : DriverWatch::Slips::detected);
     if (noisy) {
       watches_.back().set_noise();
     } else {

@@ -51,8 +51,7 @@ TEST(DriverWatch, OfBlocksIsThatOfTheirPoints) {
   drive.stiffness = {2.0};
   constexpr double kStep = 0.01;
   struct One {
-    explicit One(const Drive& drive)
-        : watch(0, drive, 1.0, 2.3e-16, DriverWatch::Slips::looked_for) {
+    explicit One(const Drive& drive) : watch(0, drive, 1.0, 2.3e-16, DriverWatch::Slips::detected) {
       watch.attach(reals.data(), integers.data());
       watch.start();
     }
@@ -368,7 +367,7 @@ TEST(Slips, DoNotEndOnABarrier) {
   drive.velocity = {kSpeed};
   drive.stiffness = {1.0};
   for (const bool wells : {true, false}) {
-    DriverWatch watch(0, drive, 1.0, 1e-16, DriverWatch::Slips::looked_for);
+    DriverWatch watch(0, drive, 1.0, 1e-16, DriverWatch::Slips::detected);
     std::vector<double> reals(DriverWatch::kReals);
     std::vector<std::int64_t> integers(DriverWatch::kIntegers);
     watch.attach(reals.data(), integers.data());
@@ -401,7 +400,7 @@ TEST(Slips, ThatAreSlowLeadHalfAPeriodFurther) {
     Drive drive;
     drive.velocity = {kSpeed};
     drive.stiffness = {1.0};
-    DriverWatch watch(0, drive, 1.0, 1e-16, DriverWatch::Slips::looked_for);
+    DriverWatch watch(0, drive, 1.0, 1e-16, DriverWatch::Slips::detected);
     std::vector<double> reals(DriverWatch::kReals);
     std::vector<std::int64_t> integers(DriverWatch::kIntegers);
     watch.attach(reals.data(), integers.data());
