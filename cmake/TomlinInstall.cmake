@@ -19,10 +19,7 @@ set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/tomlin)
 # The program too, as tomlin::program, for the tests of others.
 set_target_properties(tomlin PROPERTIES EXPORT_NAME program)
 install(TARGETS tomlin EXPORT tomlin RUNTIME COMPONENT program)
-# Where the program looks for it, from its own folder.
-if(TARGET tomlin_mpi)
-  install(TARGETS tomlin_mpi LIBRARY DESTINATION lib/tomlin COMPONENT mpi)
-endif()
+# The program looks for it from its own folder.
 if(TARGET tomlin_kim)
   install(TARGETS tomlin_kim LIBRARY DESTINATION lib/tomlin COMPONENT kim)
 endif()

@@ -1,5 +1,5 @@
-# cpack: a Debian package of the program with its pages and scenes, one of the library, one of the
-# module with MPI where that is installed, and an archive of the sources. `./dev package` makes all.
+# cpack: a Debian package of the program with its pages and scenes, one of the library, and an archive
+# of the sources. `./dev package` makes all.
 
 # What has to be built for them, which is not the tests.
 add_custom_target(packaged DEPENDS tomlin ${targets})
@@ -22,15 +22,6 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS gnuplot-nox)
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION
     "Tips, chains and rings on periodic surfaces, assembled from forces in TOML scenes.")
-
-if(TARGET tomlin_mpi)
-  list(APPEND CPACK_COMPONENTS_ALL mpi)
-  add_dependencies(packaged tomlin_mpi)
-  set(CPACK_DEBIAN_MPI_PACKAGE_NAME tomlin-mpi)
-  set(CPACK_DEBIAN_MPI_PACKAGE_SHLIBDEPS ON)
-  set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS "tomlin (= ${PROJECT_VERSION})")
-  set(CPACK_COMPONENT_MPI_DESCRIPTION "Sweeps in processes that mpirun starts.")
-endif()
 
 if(TARGET tomlin_kim)
   list(APPEND CPACK_COMPONENTS_ALL kim)

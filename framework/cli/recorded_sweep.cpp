@@ -43,8 +43,8 @@ RecordedSweep record_sweep(RunFolder& folder, SweepPlan& plan, const RecordedSwe
   options.stop = asked.stop;
   if (plan.refinement()) options.add_points = [&bisection] { return bisection.add_points(); };
   options.on_progress = asked.on_progress;
-  recorded.progress = asked.server != nullptr ? asked.server->run(plan, journal, options)
-                                              : run_sweep(plan, journal, options);
+  options.run_points = asked.run_points;
+  recorded.progress = run_sweep(plan, journal, options);
   if (recorded.progress.complete()) {
     remove_if_empty(options.folder);
     recorded.counts = recorded.shard ? count_rows(plan, journal, part)

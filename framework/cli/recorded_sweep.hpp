@@ -12,7 +12,6 @@
 #include "framework/study/sweep/part.hpp"
 #include "framework/study/sweep/plan.hpp"
 #include "framework/study/sweep/runner.hpp"
-#include "framework/study/sweep/server.hpp"
 
 /// `tomlin sweep`: a sweep with everything that it leaves in a folder.
 namespace tomlin {
@@ -31,9 +30,9 @@ struct RecordedSweepOptions {
   std::optional<SweepPart> shard = {};
   std::vector<std::size_t> traced = {};  ///< points whose full results are kept
   bool begins_anew = false;              ///< whatever the folder holds
-  SweepServer* server = nullptr;         ///< of the processes that share the sweep; null: only this
   const std::atomic<bool>* stop = nullptr;
   std::function<void(const SweepProgress&)> on_progress = {};
+  SweepOptions::RunPoints run_points = {};
 };
 
 /// Runs what has no row yet. The folder is owned. Throws InputError, OutputError, DamagedFile.

@@ -3,7 +3,6 @@
 #include <csignal>
 #include <cstddef>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -20,7 +19,6 @@
 #include "framework/cli/command.hpp"
 #include "framework/cli/exit_status.hpp"
 #include "framework/cli/inputs.hpp"
-#include "framework/cli/launcher.hpp"
 #include "framework/cli/options.hpp"
 #include "framework/cli/plugins.hpp"
 #include "framework/cli/print_result.hpp"
@@ -33,10 +31,8 @@
 #include "framework/output/run_folder.hpp"
 #include "framework/output/sweep_files.hpp"
 #include "framework/scene/text.hpp"
-#include "framework/study/sweep/client.hpp"
 #include "framework/study/sweep/plan.hpp"
 #include "framework/study/sweep/runner.hpp"
-#include "framework/study/sweep/server.hpp"
 
 namespace tomlin {
 namespace fs = std::filesystem;
@@ -131,10 +127,8 @@ in a folder of its own, and tomlin merge makes one sweep of the folders:
   tomlin sweep pt.toml --shard "$SLURM_ARRAY_TASK_ID/10"        # of an array job, 1-10
   tomlin merge pt.sweep.*-of-10.out -o pt.sweep.out
 
-With MPI they run one sweep together: process 0 hands out points and writes, and the others run them,
-each in one thread or --threads N:
-
-  mpirun -n 41 tomlin sweep pt.toml
+Processes on several machines that share one sweep and one folder are started from Python:
+tomlin.sweep(..., executor=E) takes any executor of concurrent.futures, such as that of mpi4py.
 
 Ctrl-C ends a sweep early. A sweep that was stopped or killed is continued by the same command:
 points with a row are not run again, those with a checkpoint resume from it, and the results have the
@@ -178,9 +172,7 @@ void add_options(CLI::App& parser, SweepArguments& arguments) {
   add_observable_option(parser, arguments.observables);
   add_output_option(parser, arguments.folder, "DIR",
                     "folder for the results; SCENE's stem + .sweep.out, or .sweep.I-of-N.out");
-  parser
-      .add_option("--threads", arguments.threads,
-                  "how many; one for each processor by default, one under mpirun")
+  parser.add_option("--threads", arguments.threads, "how many; one for each processor by default")
       ->type_name("N")
       ->check(CLI::Range(std::size_t{1}, std::size_t{4096}));
   parser
@@ -412,30 +404,14 @@ void ignore_signals_of_writing() {
   std::signal(SIGPIPE, SIG_IGN);
 }
 
-/// Runs points for process 0, which has the folder.
-void take_part(const ProcessLink& link, RequestedSweep& requested, std::size_t threads) {
-  ignore_signals_of_writing();
-  StopSignals signals;
-  SweepClient client(link, signals.stop(), [&signals] { signals.request_stop(); });
-  SweepOptions options;
-  options.threads = threads;
-  options.traced = requested.traced;
-  client.run(requested.plan, options, [&requested] {
-    // Where the machines share no folder, points have no checkpoints.
-    std::error_code error;
-    const bool is_shared = fs::exists(requested.path / kSweepJournalFile, error);
-    return is_shared ? requested.path / kPointsFolder : fs::path();
-  });
-}
-
-/// `server`: of the processes that share the sweep; null: this one is alone.
-int sweep(const SweepArguments& arguments, RequestedSweep& requested, std::size_t threads,
-          SweepServer* server) {
+int sweep(const SweepArguments& arguments) {
+  RequestedSweep requested(arguments);
   SweepPlan& plan = requested.plan;
+  const std::size_t all = std::max<std::size_t>(1, std::thread::hardware_concurrency());
+  const std::size_t threads = arguments.threads > 0 ? arguments.threads : all;
   if (arguments.dry_run) {
     return print_result(sweep_plan_text(plan, threads, requested.shard));
   }
-  if (server != nullptr) server->meet(plan);
 
   const fs::path& path = requested.path;
   RunFolder folder(path, occupied_by_sweep(path, plan, arguments.force), kSweepFiles);
@@ -451,7 +427,6 @@ int sweep(const SweepArguments& arguments, RequestedSweep& requested, std::size_
   options.shard = requested.shard;
   options.traced = requested.traced;
   options.begins_anew = arguments.force;
-  options.server = server;
   options.stop = &signals.stop();
   options.on_progress = [&progress_line](const SweepProgress& now) {
     progress_line.show(sweep_progress_text(now), now.seconds);
@@ -472,39 +447,7 @@ int sweep(const SweepArguments& arguments, RequestedSweep& requested, std::size_
   }
   const bool is_done = run.counts && run.progress.traces_left == 0;
   if (is_done) return status;
-  // Another process was stopped, and all with it.
-  return kExitSignal + (signals.caught() != 0 ? signals.caught() : SIGTERM);
-}
-
-int sweep(const SweepArguments& arguments) {
-  std::unique_ptr<RequestedSweep> requested;
-  std::optional<InputError> refused;
-  try {
-    requested = std::make_unique<RequestedSweep>(arguments);
-  } catch (const InputError& error) {
-    refused = error;  // by one process for all
-  }
-  // Shards that are started together share nothing.
-  const auto process = arguments.shard ? nullptr : LaunchedProcess::find();
-  if (!process) {
-    if (refused) throw InputError(*refused);
-    const std::size_t all = std::max<std::size_t>(1, std::thread::hardware_concurrency());
-    return sweep(arguments, *requested, arguments.threads > 0 ? arguments.threads : all, nullptr);
-  }
-  const ProcessLink& link = process->link();
-  const std::size_t threads = std::max<std::size_t>(1, arguments.threads);
-  if (link.rank == 0) {
-    SweepServer server(link);
-    if (refused) throw InputError(*refused);
-    const auto clients = static_cast<std::size_t>(link.size - 1);
-    return sweep(arguments, *requested, threads * clients, &server);
-  }
-  if (refused) {
-    SweepClient::refuse(link, *refused);
-  } else {
-    take_part(link, *requested, threads);
-  }
-  return kExitDone;
+  return kExitSignal + signals.caught();
 }
 
 }  // namespace

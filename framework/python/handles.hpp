@@ -26,6 +26,7 @@ namespace py = pybind11;
 struct SceneHandle {
   std::shared_ptr<const Registry> registry;
   std::shared_ptr<const SceneDocument> document;
+  std::vector<std::string> plugins;  ///< that were given beside the scene
   std::vector<Setting> settings;
   std::shared_ptr<const Scene> scene;
 };

@@ -29,6 +29,7 @@ SceneHandle read(std::shared_ptr<const SceneDocument> document,
                  const std::shared_ptr<const Registry>& standard) {
   SceneHandle handle;
   handle.registry = standard;
+  handle.plugins = plugins;
   const auto requests = requested_plugins(plugins, {document.get(), 1});
   if (!requests.empty()) {
     auto with_plugins = std::make_shared<Registry>(standard_registry());
@@ -124,6 +125,22 @@ void define_scenes(py::module_& module) {
                                }
                                return all;
                              })
+      .def_property_readonly("settings",
+                             [](const SceneHandle& it) {
+                               Settings all;
+                               for (const Setting& one : it.settings) {
+                                 all.emplace_back(one.path, one.value);
+                               }
+                               return all;
+                             })
+      .def_property_readonly("plugins",
+                             [](const SceneHandle& it) {
+                               py::list all;
+                               for (const std::string& one : it.plugins) all.append(py::bytes(one));
+                               return all;
+                             })
+      .def_property_readonly("file_bytes",
+                             [](const SceneHandle& it) { return py::bytes(it.scene->file); })
       .def_property_readonly("text", [](const SceneHandle& it) { return it.document->text(); })
       .def_property_readonly("effective_toml",
                              [](const SceneHandle& it) { return it.scene->effective_toml; })

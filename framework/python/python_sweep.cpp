@@ -1,15 +1,22 @@
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <bitset>
+#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
+#include <system_error>
 #include <thread>
+#include <tuple>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -50,6 +57,9 @@ struct SweepRequest {
   std::string journal;                ///< without a folder: a file that is made for the rows
   bool force = false;
   py::object progress;
+  /// A callable that gets a SweepRound and runs its points elsewhere; None: threads run them. It
+  /// calls `progress` itself.
+  py::object run_points = py::none();
 };
 
 /// The rows of a sweep in the order of its results.
@@ -173,13 +183,161 @@ void read_rows(const SweepPlan& plan, const SweepJournal& journal, SweepHandle& 
   }
 }
 
+/// A row as it is sent from a worker: point, status, numbers, reason and warnings.
+using SentRow = std::tuple<std::size_t, std::size_t, std::vector<double>, std::string, std::string>;
+
+SentRow sent(std::size_t point, const SweepRow& row) {
+  return {point, static_cast<std::size_t>(row.status), row.numbers, row.reason,
+          row.warnings.to_string()};
+}
+
+/// Throws std::invalid_argument where it is no row of so many columns.
+SweepRow received(SentRow sent, std::size_t columns) {
+  auto& [point, status, numbers, reason, warnings] = sent;
+  if (status >= kSweepStatuses || numbers.size() != columns ||
+      warnings.size() != kMostWarningCodes) {
+    throw std::invalid_argument("a worker has sent no row of this sweep");
+  }
+  SweepRow row;
+  row.status = static_cast<SweepStatus>(status);
+  row.numbers = std::move(numbers);
+  row.reason = std::move(reason);
+  row.warnings = std::bitset<kMostWarningCodes>(warnings);
+  return row;
+}
+
+py::tuple to_python(const SentRow& row) {
+  const auto& [point, status, numbers, reason, warnings] = row;
+  return py::make_tuple(point, status, numbers, py::bytes(reason), warnings);
+}
+
+/// The points of a sweep that have no row, while the workers of an executor run them. It lives as
+/// long as the call that it is given to.
+class SweepRound {
+ public:
+  SweepRound(const SweepPlan& plan, SweepRows& rows, const SweepOptions& options,
+             const SweepProgress& so_far)
+      : plan_(plan),
+        rows_(rows),
+        queue_(plan, rows, options.part),
+        seconds_before_(so_far.seconds),
+        progress_(progress_before(plan, rows, options, so_far)) {}
+
+  std::uint64_t identity() const { return plan_.identity(); }
+  std::size_t missing() const { return progress_.points - progress_.with_row(); }
+  /// At least so many of the points that were not taken before, whole lines where points continue
+  /// from their neighbour, and the values of the refined axis there. Empty: there are no more.
+  std::pair<std::vector<std::size_t>, std::vector<double>> take(std::size_t most) {
+    std::pair<std::vector<std::size_t>, std::vector<double>> taken{queue_.take(most), {}};
+    if (!plan_.refinement()) return taken;
+    for (const std::size_t point : taken.first) {
+      taken.second.push_back(plan_.number(plan_.refinement()->axis, point));
+    }
+    return taken;
+  }
+  void keep(std::vector<SentRow> rows) {
+    for (SentRow& one : rows) {
+      const std::size_t point = std::get<0>(one);
+      if (point >= plan_.point_numbers() || rows_.has(point)) continue;
+      const SweepRow row = received(std::move(one), plan_.columns().size());
+      rows_.keep(point, row);
+      ++progress_.done[static_cast<std::size_t>(row.status)];
+    }
+  }
+  SweepProgress progress() const {
+    SweepProgress now = progress_;
+    now.seconds = seconds_before_ + std::chrono::duration<double>(Clock::now() - started_).count();
+    return now;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  const SweepPlan& plan_;
+  SweepRows& rows_;
+  SweepQueue queue_;
+  Clock::time_point started_ = Clock::now();
+  double seconds_before_;
+  SweepProgress progress_;
+};
+
+/// The points that a worker has been given, and their rows.
+class ChunkRows : public SweepRows {
+ public:
+  explicit ChunkRows(std::vector<std::size_t> points) : points_(std::move(points)) {
+    std::sort(points_.begin(), points_.end());
+  }
+
+  /// Points that are not in the chunk are no work of this worker.
+  bool has(std::size_t point) const override {
+    return !std::binary_search(points_.begin(), points_.end(), point);
+  }
+  void keep(std::size_t point, const SweepRow& row) override {
+    const std::lock_guard lock(mutex_);
+    rows_.push_back(sent(point, row));
+  }
+  const std::vector<SentRow>& rows() const { return rows_; }
+
+ private:
+  std::vector<std::size_t> points_;
+  std::mutex mutex_;
+  std::vector<SentRow> rows_;
+};
+
+/// The plan of a sweep in a worker of an executor.
+struct WorkerPlan {
+  WorkerPlan(const SceneHandle& handle, const SweepRequest& request)
+      : scene(handle), plan(plan_of(handle, request)) {}
+
+  /// Runs points with values of the refined axis, as SweepRound::take() gives them. Checkpoints go
+  /// into the folder of the sweep where this machine sees it. Ctrl-C leaves the rows so far.
+  py::list run(std::vector<std::size_t> points, const std::vector<double>& values,
+               const std::optional<std::string>& folder, std::size_t threads) {
+    InterruptGuard guard;
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      if (points.at(k) >= plan.points()) plan.add(points[k], values[k]);
+    }
+    ChunkRows rows(std::move(points));
+    SweepOptions options;
+    options.threads = threads;
+    options.stop = &guard.stop();
+    std::error_code error;
+    if (folder &&
+        std::filesystem::exists(std::filesystem::path(*folder) / kSweepJournalFile, error)) {
+      options.folder = std::filesystem::path(*folder) / kPointsFolder;
+    }
+    {
+      const Unlocked unlocked;
+      run_sweep(plan, rows, options);
+    }
+    py::list all;
+    for (const SentRow& row : rows.rows()) all.append(to_python(row));
+    return all;
+  }
+
+  SceneHandle scene;
+  SweepPlan plan;
+};
+
 std::unique_ptr<SweepHandle> sweep(const SceneHandle& scene, SweepRequest request) {
-  InterruptGuard guard;
-  ProgressCall show(std::move(request.progress));
+  const bool is_elsewhere = !request.run_points.is_none();
+  // With an executor the caller waits in Python, which handles Ctrl-C.
+  std::optional<InterruptGuard> guard;
+  if (!is_elsewhere) guard.emplace();
+  std::atomic<bool> never = false;
+  std::atomic<bool>& stop = guard ? guard->stop() : never;
+  ProgressCall show(is_elsewhere ? py::none() : std::move(request.progress));
   auto handle = std::make_unique<SweepHandle>();
   handle->scene = scene;
   const auto tell = [&](const SweepProgress& now) {
-    show(guard.stop(), sweep_progress_text(now), now.with_row(), now.points);
+    show(stop, sweep_progress_text(now), now.with_row(), now.points);
+  };
+  const auto run_elsewhere = [&request](const SweepPlan& plan, SweepRows& rows,
+                                        const SweepOptions& options, const SweepProgress& so_far) {
+    SweepRound round(plan, rows, options, so_far);
+    const py::gil_scoped_acquire lock;
+    request.run_points(py::cast(&round, py::return_value_policy::reference));
+    return round.progress();
   };
   {
     const Unlocked unlocked;
@@ -189,8 +347,9 @@ std::unique_ptr<SweepHandle> sweep(const SceneHandle& scene, SweepRequest reques
     RecordedSweepOptions options;
     options.threads = threads;
     options.begins_anew = request.force;
-    options.stop = &guard.stop();
+    options.stop = &stop;
     if (show) options.on_progress = tell;
+    if (is_elsewhere) options.run_points = run_elsewhere;
     if (request.folder) {
       RunFolder folder(*request.folder, occupied_by_sweep(*request.folder, plan, request.force),
                        kSweepFiles);
@@ -209,6 +368,7 @@ std::unique_ptr<SweepHandle> sweep(const SceneHandle& scene, SweepRequest reques
       in_memory.threads = threads;
       in_memory.stop = options.stop;
       in_memory.on_progress = options.on_progress;
+      in_memory.run_points = options.run_points;
       if (plan.refinement()) in_memory.add_points = [&] { return bisection.add_points(); };
       const SweepProgress progress = run_sweep(plan, journal, in_memory);
       handle->complete = progress.complete();
@@ -261,7 +421,21 @@ void define_sweeps(py::module_& module) {
       .def_readwrite("folder", &SweepRequest::folder)
       .def_readwrite("journal", &SweepRequest::journal)
       .def_readwrite("force", &SweepRequest::force)
-      .def_readwrite("progress", &SweepRequest::progress);
+      .def_readwrite("progress", &SweepRequest::progress)
+      .def_readwrite("run_points", &SweepRequest::run_points);
+  py::class_<SweepRound>(module, "SweepRound")
+      .def_property_readonly("identity", &SweepRound::identity)
+      .def_property_readonly("missing", &SweepRound::missing)
+      .def("take", &SweepRound::take)
+      .def("keep", &SweepRound::keep)
+      .def("progress", [](const SweepRound& it) {
+        const SweepProgress now = it.progress();
+        return py::make_tuple(sweep_progress_text(now), now.with_row(), now.points);
+      });
+  py::class_<WorkerPlan>(module, "WorkerPlan")
+      .def(py::init<const SceneHandle&, const SweepRequest&>())
+      .def_property_readonly("identity", [](const WorkerPlan& it) { return it.plan.identity(); })
+      .def("run", &WorkerPlan::run);
   py::class_<SweepHandle>(module, "Sweep")
       .def_readonly("columns", &SweepHandle::columns)
       .def_readonly("shape", &SweepHandle::shape)

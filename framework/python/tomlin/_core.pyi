@@ -25,6 +25,9 @@ class Scene:
     parameters: dict[str, float]
     text: str
     effective_toml: str
+    settings: list[tuple[str, str]]
+    plugins: list[bytes]
+    file_bytes: bytes
     def with_settings(self, settings: list[tuple[str, str]], /) -> Scene: ...
     def explain_json(self, seconds: float, /) -> str: ...
     def check_json(self, seed: int, /) -> str: ...
@@ -79,6 +82,22 @@ class SweepRequest:
     journal: str
     force: bool
     progress: Callable[..., Any] | None
+    run_points: Callable[[SweepRound], Any] | None
+
+SentRow = tuple[int, int, list[float], bytes, str]
+
+class SweepRound:
+    identity: int
+    missing: int
+    def take(self, most: int, /) -> tuple[list[int], list[float]]: ...
+    def keep(self, rows: list[SentRow], /) -> None: ...
+    def progress(self) -> tuple[str, int, int]: ...
+
+class WorkerPlan:
+    identity: int
+    def __init__(self, scene: Scene, request: SweepRequest, /) -> None: ...
+    def run(self, points: list[int], values: list[float], folder: bytes | None, threads: int,
+            /) -> list[SentRow]: ...
 
 class Sweep:
     columns: list[list[str]]

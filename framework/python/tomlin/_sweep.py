@@ -6,6 +6,7 @@ import json
 import os
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 
 from tomlin import _core
 from tomlin._errors import OutputError, core_of, interrupted, no_such_name, typed, whole
+from tomlin._executor import Dispatch, Job, request_of
 from tomlin._progress import shown
 from tomlin._record import Record, table_html
 from tomlin._text import setting_text
@@ -158,6 +160,7 @@ def sweep(scene: Scene, over: Mapping[str, Any] | None = None,
           repeats: int | None = None, continue_from_neighbour: bool | None = None,
           refine: str | None = None, refine_along: str | None = None,
           refine_to: float | None = None, threads: int | None = None,
+          executor: Executor | None = None, chunk: int | None = None,
           folder: str | os.PathLike[str] | None = None, force: bool = False,
           progress: Progress = None) -> Sweep:
     """Runs a scene for all combinations of values, as ``tomlin sweep`` does: in threads, in lanes,
@@ -167,6 +170,12 @@ def sweep(scene: Scene, over: Mapping[str, Any] | None = None,
     or a grid as the program takes it ("1e-3:1e-1:21:log"). The first axis is the outermost.
     ``zip`` names axes that take their values together. ``observables`` are dotted paths. What is
     not given is taken from ``[sweep]`` of the scene. The other options are those of the program.
+
+    With an ``executor`` of ``concurrent.futures``, such as a pool of processes or one of mpi4py, its
+    workers run the points, each in one thread unless ``threads`` says how many. They get ``chunk``
+    points at once, by default so many that all are busy to the end. The results have the same bytes.
+    Where a worker is lost, `RunError` says how many rows are kept, and has the sweep so far as its
+    ``result``; with a ``folder`` the same call continues.
 
     With a ``folder`` it leaves there what the program does, and continues a sweep of the same
     input that was stopped there; ``force`` begins anew. ``threads`` is one for each processor by
@@ -191,24 +200,37 @@ def sweep(scene: Scene, over: Mapping[str, Any] | None = None,
     names = [observables] if isinstance(observables, str) else list(observables)
     for one in names:
         typed(one, "observables", str, "dotted paths")
-    request = _core.SweepRequest()
-    request.over = [(name, _values(values, name)) for name, values in (over or {}).items()]
-    request.zips = [list(one) for one in zip]
-    request.observables = names
-    request.repeats = None if repeats is None else str(repeats)
-    request.refine = refine
-    request.refine_along = refine_along
-    request.refine_to = None if refine_to is None else setting_text(refine_to)
-    request.continues = continue_from_neighbour
-    request.threads = 0 if threads is None else whole(threads, "threads", 1)
+    asked = {
+        "over": [(name, _values(values, name)) for name, values in (over or {}).items()],
+        "zips": [list(one) for one in zip],
+        "observables": names,
+        "repeats": None if repeats is None else str(repeats),
+        "refine": refine,
+        "refine_along": refine_along,
+        "refine_to": None if refine_to is None else setting_text(refine_to),
+        "continues": continue_from_neighbour,
+    }
+    request = request_of(asked)
+    at_once = 1 if executor is not None else 0
+    request.threads = at_once if threads is None else whole(threads, "threads", 1)
     path = None if folder is None else os.path.abspath(os.fsdecode(folder))
     request.folder = None if path is None else os.fsencode(path)
     request.force = force
+    most = None if chunk is None else whole(chunk, "chunk", 1)
+    core = core_of(scene)
+    dispatch = None
     with shown(progress) as show, tempfile.TemporaryDirectory(prefix="tomlin-") as scratch:
         request.journal = os.path.join(scratch, "sweep.journal")
         request.progress = show
-        core = _core.sweep(core_of(scene), request)
-    result = Sweep(core, scene, None if path is None else Path(path))
+        if executor is not None:
+            typed(executor, "executor", Executor, "an executor of concurrent.futures")
+            job = Job(core.text, core.file_bytes, core.plugins, core.settings, asked,
+                      request.folder, request.threads)
+            request.run_points = dispatch = Dispatch(executor, job, most, show)
+        swept = _core.sweep(core, request)
+    result = Sweep(swept, scene, None if path is None else Path(path))
+    if dispatch is not None:
+        dispatch.raise_error(result)
     if not result.complete:
         raise interrupted(result)
     return result

@@ -33,9 +33,9 @@
 /// values of the last dimension for given others, which one thread runs one after the other.
 ///
 /// What computes rows can therefore be exchanged: lanes take batches of points of one structure
-/// from the queue; other processes (SweepClient) get theirs from the queue of the first one
-/// (SweepServer), which alone writes. A part of the points (SweepPart) may be run elsewhere with a
-/// journal of its own, and the journals of one plan are merged record by record (merge.hpp).
+/// from the queue; the workers of an executor (SweepOptions::run_points) get theirs from the queue
+/// of the process that has the journal. A part of the points (SweepPart) may be run elsewhere with
+/// a journal of its own, and the journals of one plan are merged record by record (merge.hpp).
 namespace tomlin {
 
 /// One result that is kept of each run.

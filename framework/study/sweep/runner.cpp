@@ -26,8 +26,7 @@ class SweepWork : private PointSource {
       : plan_(plan),
         rows_(rows),
         options_(options),
-        own_queue_(plan, rows, options.part),
-        queue_(options.queue != nullptr ? *options.queue : own_queue_),
+        queue_(plan, rows, options.part),
         seconds_before_(so_far.seconds),
         progress_(progress_before(plan, rows, options, so_far)) {}
 
@@ -35,8 +34,7 @@ class SweepWork : private PointSource {
     const std::size_t left = progress_.points - progress_.with_row() + options_.traced.size();
     const auto count = std::clamp<std::size_t>(options_.threads, 1, std::max<std::size_t>(1, left));
     running_ = count;
-    const std::size_t sharers = count * options_.processes;
-    most_at_once_ = (left + sharers - 1) / sharers;
+    most_at_once_ = (left + count - 1) / count;
     std::vector<std::thread> threads;
     try {
       while (threads.size() < count) threads.emplace_back([this] { work(); });
@@ -130,8 +128,7 @@ class SweepWork : private PointSource {
   const SweepPlan& plan_;
   SweepRows& rows_;
   const SweepOptions& options_;
-  SweepQueue own_queue_;
-  PointQueue& queue_;
+  SweepQueue queue_;
   Clock::time_point started_ = Clock::now();
   double seconds_before_;
   std::atomic<bool> halt_ = false;
@@ -180,7 +177,8 @@ std::size_t SweepProgress::done_here() const {
 SweepProgress run_sweep(const SweepPlan& plan, SweepRows& rows, const SweepOptions& options) {
   SweepProgress progress;
   for (;;) {
-    progress = SweepWork(plan, rows, options, progress).run();
+    progress = options.run_points ? options.run_points(plan, rows, options, progress)
+                                  : SweepWork(plan, rows, options, progress).run();
     if (!options.add_points || !progress.complete()) return progress;
     if (!options.add_points()) return progress_before(plan, rows, options, progress);
   }

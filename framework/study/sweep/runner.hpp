@@ -15,24 +15,15 @@
 
 namespace tomlin {
 
-/// Where threads get the points that they run. Safe to call from several threads.
-class PointQueue {
- public:
-  virtual ~PointQueue() = default;
-  /// Up to so many points, and all others of the last one's line; none: the queue is empty.
-  virtual std::vector<std::size_t> take(std::size_t most) = 0;
-
- protected:
-  PointQueue() = default;
-};
-
-/// The points of a part that are still to be run, in their order.
-class SweepQueue : public PointQueue {
+/// The points of a part that are still to be run, in their order. Safe to call from several
+/// threads.
+class SweepQueue {
  public:
   SweepQueue(const SweepPlan& plan, const SweepRows& rows, SweepPart part = {})
       : plan_(plan), rows_(rows), part_(part) {}
 
-  std::vector<std::size_t> take(std::size_t most) override;
+  /// Up to so many points, and all others of the last one's line; none: the queue is empty.
+  std::vector<std::size_t> take(std::size_t most);
 
  private:
   std::mutex mutex_;
@@ -57,11 +48,9 @@ struct SweepProgress {
 
 struct SweepOptions {
   std::size_t threads = 1;
-  SweepPart part = {};          ///< the points that are run
-  PointQueue* queue = nullptr;  ///< where they come from, if not from the plan
+  SweepPart part = {};  ///< the points that are run
   /// Called when all points have a row, to add some to the plan; false: none are missing.
   std::function<bool()> add_points = {};
-  std::size_t processes = 1;                ///< that share them, with as many threads each
   const std::atomic<bool>* stop = nullptr;  ///< set by a signal: rows so far are kept
   /// A folder for the checkpoints of points that take long, NUMBER.store, of lines, NUMBER.line,
   /// and for traces, NUMBER/; none: points start again.
@@ -70,6 +59,11 @@ struct SweepOptions {
   std::vector<std::size_t> traced = {};
   /// Called from the thread that called run_sweep(), twice a second.
   std::function<void(const SweepProgress&)> on_progress = {};
+  /// Runs the points without a row and keeps their rows, in place of the threads of this process.
+  /// It gets what was done before and returns that with what it has added.
+  using RunPoints = std::function<SweepProgress(const SweepPlan&, SweepRows&, const SweepOptions&,
+                                                const SweepProgress&)>;
+  RunPoints run_points = {};
 };
 
 /// What there is to do, after what has been done.
