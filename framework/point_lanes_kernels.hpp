@@ -15,8 +15,8 @@
 /// take as long as the kernels over all lanes.
 namespace tomlin {
 
-/// Of a scheme: a tip on a spring, damped, on a sinusoidal substrate. Forces that are equally cheap
-/// are in the order of the scene.
+/// Kernels of a scheme for a damped tip on a spring, on a sinusoidal substrate. Forces that are
+/// equally cheap are in the order of the scene.
 struct TipBlocks {
   LaneBlock spring_first = nullptr;
   LaneBlock damping_first = nullptr;

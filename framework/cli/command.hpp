@@ -19,7 +19,7 @@ struct DeclaredCommand {
   std::function<int()> run;
 };
 
-/// What a command declares about itself.
+/// Record of a command, which it declares about itself.
 struct CommandRecord {
   std::string name;
   std::string summary;  ///< a line of `tomlin --help`

@@ -177,7 +177,7 @@ class CommandLine {
     return &app == &app_ ? "tomlin" : "tomlin " + app.get_name();
   }
 
-  /// What is left over stands before the command or behind it.
+  /// Refuses the arguments left over, which stand before the command or after it.
   [[noreturn]] void refuse_extras() const {
     const CLI::App& app = app_.remaining().empty() ? chosen() : app_;
     const auto extras = app.remaining();

@@ -36,7 +36,7 @@ Note g_exit;
 std::atomic<pid_t> g_running = 0;  ///< the process that is not over yet
 static_assert(std::atomic<pid_t>::is_always_lock_free);
 
-/// Where the stack has overflowed, there is no other to write from.
+/// Signal handlers run on this stack, since the program's own may have overflowed.
 alignas(16) unsigned char g_stack[std::size_t{1} << 16];
 
 extern "C" void tell_and_crash(int signal) {

@@ -85,7 +85,7 @@ const KindNames* find_kind(const std::string& name) {
   return found == kKinds.end() ? nullptr : found;
 }
 
-/// As scenes write what is meant: "[run]", "[[force]]", "force.driving_spring".
+/// Removes the signs of a scene from a name: "[run]", "[[force]]", "force.driving_spring".
 std::string without_scene_signs(std::string name) {
   std::erase_if(name, [](char c) { return c == '[' || c == ']'; });
   for (const auto& [kind, kinds] : kKinds) {
@@ -95,7 +95,7 @@ std::string without_scene_signs(std::string name) {
   return name;
 }
 
-/// What scenes have beside components and the tables with keys of the program's own.
+/// All tables of a scene but components: those with keys of the program's own, and [parameters].
 std::vector<SceneTable> described_tables() {
   std::vector<SceneTable> tables = scene_tables();
   SceneTable parameters{"parameters", "names for numbers, for all expressions of the scene", {}};
@@ -235,7 +235,7 @@ std::string component_text(const Described& component) {
   return text;
 }
 
-/// Where a scene has one of a kind.
+/// Returns the table or key of a scene that holds a component of this kind.
 std::string heading_of(const KindNames& kind) {
   const std::string name = kind.first;
   if (name == "integrator") return "integrator = { type = ..., ... } in [run]";

@@ -22,7 +22,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// What kind of value a row takes.
+/// Returns the name of the kind of value that a row takes.
 const char* kind_name(const Parameter& row) {
   static constexpr std::array kNames = {"number",
                                         "integer",

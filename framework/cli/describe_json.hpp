@@ -7,7 +7,7 @@
 #include "framework/cli/described.hpp"
 #include "framework/scene/language.hpp"
 
-/// What `tomlin describe --json` prints.
+/// Output of `tomlin describe --json`.
 namespace tomlin {
 
 nlohmann::ordered_json component_json(const Described& component);

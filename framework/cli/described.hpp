@@ -10,7 +10,7 @@
 #include "framework/core/records/registry.hpp"
 #include "framework/scene/language.hpp"
 
-/// What there is to describe, for text, JSON and the reference pages.
+/// Everything that can be described, for text, JSON and the reference pages.
 namespace tomlin {
 
 /// A component and how a scene takes it.
@@ -22,7 +22,7 @@ struct Described {
   const IntegratorRecord* integrator = nullptr;  ///< likewise
 };
 
-/// Of one, and of several.
+/// Singular and plural of the name of a kind.
 using KindNames = std::pair<const char*, const char*>;
 inline constexpr std::array kKinds = {KindNames{"body", "bodies"}, KindNames{"force", "forces"},
                                       KindNames{"integrator", "integrators"},

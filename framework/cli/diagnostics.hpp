@@ -17,7 +17,7 @@ nlohmann::ordered_json faults_json(const std::vector<Fault>& faults);
 /// Indented. Faults and paths of libraries may hold any bytes: what is not UTF-8 is replaced.
 std::string json_text(const nlohmann::ordered_json& json);
 
-/// What a code means, with an example and a cure: for `describe CODE` and `describe diagnostics`.
+/// Meaning of a code, with an example and a cure: for `describe CODE` and `describe diagnostics`.
 std::string diagnostic_text(const FaultKind& kind);
 nlohmann::ordered_json diagnostic_json(const FaultKind& kind);
 std::string diagnostics_text();

@@ -1,6 +1,6 @@
 #pragma once
 
-/// What the program's exit status means.
+/// Meanings of the program's exit status.
 namespace tomlin {
 
 inline constexpr int kExitDone = 0;

@@ -85,7 +85,7 @@ void add_built(Explanation& explanation, Model& model) {
   }
 }
 
-/// Which drivers there are, and what does work besides them.
+/// Reports whether there are drivers, and which other forces change with time and do work.
 Explanation::Part driver_part(const Model& model) {
   const bool driven = !model.drivers().empty();
   std::string timed;
@@ -142,7 +142,7 @@ void add_parts(Explanation& explanation, const Model& model) {
   parts.push_back({"trajectory", scene.output.trajectory, "output.trajectory = true writes it"});
 }
 
-/// Those at the start: lists are made by an evaluation. Forces are in the order of the model.
+/// Counts neighbours at the start: an evaluation makes the lists. Forces are in the model's order.
 void count_neighbours(Explanation& explanation, Model& model) {
   std::vector<const CountsNeighbours*> lists;
   for (const Model::Force& force : model.forces()) {
@@ -194,7 +194,7 @@ std::optional<Explanation::Cost> cost_of(const Scene& scene, const Explanation::
   return cost;
 }
 
-/// What run refuses.
+/// Adds a warning where `tomlin run` would refuse the size of the output.
 void add_warning_of_room(Explanation& explanation) {
   try {
     require_room(*explanation.scene, explanation.output.size, explanation.output.room);

@@ -16,7 +16,7 @@
 
 namespace tomlin {
 
-/// What a scene builds, its scales and what running it would cost.
+/// The model that a scene builds, its scales and the cost of running it.
 struct Explanation {
   struct Body {
     std::string name;

@@ -69,7 +69,7 @@ void add_bodies(Forms& forms, const Explanation& e) {
   }
 }
 
-/// Of the force that was added last.
+/// Adds the neighbours of the force that was added last.
 void add_neighbours(Forms& forms, const NeighbourCount& count) {
   forms.json["forces"].back()["neighbours"] = Json{
       {"mean", count.mean}, {"most", count.most}, {"pairs", count.pairs}, {"bytes", count.bytes}};
@@ -271,7 +271,7 @@ void add_sliding(Forms& forms, const Explanation& e) {
   }
 }
 
-/// What there is where a force has no period or its curvature no bound.
+/// Adds what is known where a force has no period or its curvature no bound.
 void add_sliding_as_placed(Forms& forms, const Scales& scales) {
   Json& list = forms.json["sliding_as_placed"] = Json::array();
   for (const Sliding& sliding : scales.sliding_as_placed) {

@@ -23,7 +23,7 @@ struct Input {
   fs::path path;
 };
 
-/// What the scene reads, the scene first.
+/// Returns the files that the scene reads, the scene itself first.
 std::vector<Input> inputs_of(const Scene& scene) {
   std::vector<Input> all = {{"the scene itself", scene.file}};
   const auto add = [&all](const char* what, const auto& components) {

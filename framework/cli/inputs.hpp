@@ -12,7 +12,7 @@ namespace tomlin {
 /// scene itself: that may be replaced by the same text only, which is what `scene.toml` will hold.
 void refuse_to_lose_inputs(const RunFolder& folder, const Scene& scene,
                            std::span<const char* const> names, const std::string& scene_text);
-/// The same where `scene.toml` is the effective scene.
+/// Throws InputError likewise, where `scene.toml` will hold the effective scene.
 void refuse_to_lose_inputs(const RunFolder& folder, const Scene& scene,
                            std::span<const char* const> names);
 

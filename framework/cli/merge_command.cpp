@@ -198,7 +198,7 @@ int merge_into(const fs::path& path, const SweepPlan& plan,
     merge_rows(plan, journals, journal, signals.stop());
   }
   if (signals.stop()) return kExitSignal + signals.caught();
-  // What is there now has been written and can be read.
+  // The merged journal has been written and can be read.
   SweepJournal journal(folder.file(kSweepJournalFile), plan);
   for (std::size_t k = 0; k < plan.points(); ++k) progress.before += journal.has(k) ? 1 : 0;
   std::optional<SweepCounts> counts;

@@ -41,7 +41,7 @@ std::string own_type(const std::string& name) {
   return "";
 }
 
-/// What CMake makes targets of by itself: a library cannot be called so.
+/// CMake makes targets of these names by itself, so that a library cannot have them.
 bool is_target_of_cmake(std::string_view name) {
   static const std::set<std::string_view> targets = {"all",        "clean",
                                                      "edit_cache", "help",

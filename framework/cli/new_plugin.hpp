@@ -5,7 +5,7 @@
 
 namespace tomlin {
 
-/// What the force of a new plugin acts on.
+/// Elements that the force of a new plugin acts on.
 enum class NewForce { particles, pairs };
 
 /// `tomlin new plugin NAME [--pairs] [-o DIR]`: a folder with a force to start from. Throws

@@ -37,7 +37,7 @@ std::string text_of(const Cell& cell, const ColumnHeading& heading) {
   return fmt::format(fmt::runtime(heading.format), cell->get<double>());
 }
 
-/// As wide as the column, whose cells are given where it has no width of its own.
+/// Pads to the width of the column, or of its heading and `cells` where it has none of its own.
 std::string padded(const std::string& content, const ColumnHeading& heading,
                    const std::vector<Cell>& cells) {
   if (heading.width > 0) return fmt::format("  {:>{}}", content, heading.width);

@@ -27,7 +27,7 @@ bool acts(std::uint32_t character) {
   });
 }
 
-/// Of UTF-8: the character that starts the text, and its bytes.
+/// Returns the character that starts a text in UTF-8, and in `length` how many bytes it has.
 std::uint32_t first_character(std::string_view text, std::size_t& length) {
   const auto byte = [text](std::size_t i) -> std::uint32_t {
     return static_cast<unsigned char>(text[i]);

@@ -27,15 +27,15 @@ class ProgressLine {
  public:
   enum class Style { silent, terminal, plain };
 
-  /// What comes before the first step and has no end that is known, as a pilot, is shown with its
-  /// name and the time it has taken; "" where nothing does.
+  /// `before` names work before the first step that has no known end, such as a pilot; the name is
+  /// shown with the time that the work has taken. "" stands for no such work.
   explicit ProgressLine(Style style, std::string before = "");
   ~ProgressLine();
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
   void show(const RunProgress& progress);
-  /// The same for anything else that takes long.
+  /// Shows the progress of anything else that takes long.
   void show(const std::string& text, double elapsed_seconds);
   /// Clears the terminal's line.
   void finish();

@@ -87,8 +87,8 @@ std::string about(const ResultGroup& group, UnitSystem units) {
   return text;
 }
 
-/// The same of a group that has only the quantities which the scene asks for: all of them, and
-/// which have no value.
+/// Describes a group that has only the quantities which the scene asks for: all of them, and those
+/// that have no value.
 std::string about_asked(const ResultGroup& group, UnitSystem units) {
   const auto& names = printed_of(group.family).names;
   std::string text = about(group, units);

@@ -120,7 +120,7 @@ Json name_schema() { return {{"type", "string"}, {"pattern", kNamePattern}}; }
 
 Json formula() { return only("type", std::vector{"string", "number"}); }
 
-/// What a row admits.
+/// Returns the schema of the values that a row admits.
 Json value_schema(const Parameter& row) {
   return std::visit(
       [&row](const auto& prototype) -> Json {
@@ -385,7 +385,7 @@ Json components_schema(const std::string& kind, int fewest, const char* what) {
           {"items", reference_to(kind)}};
 }
 
-/// What stands under a top-level key.
+/// Returns the schema of the section under a top-level key.
 Json section_schema(const std::string& key) {
   if (key == "scene") {
     return table_schema(scene_layout(), only("axes", table_schema(axes_layout())));

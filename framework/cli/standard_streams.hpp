@@ -2,8 +2,8 @@
 
 namespace tomlin {
 
-/// Where standard input, output or error are closed (`>&-`) their numbers are taken by something
-/// that nothing can be written to, so that no file of a run is mistaken for one of them.
+/// Opens something that cannot be written to under the numbers of standard input, output and error
+/// that are closed (`>&-`), so that no file of a run is mistaken for one of them.
 void occupy_closed_standard_streams();
 
 }  // namespace tomlin

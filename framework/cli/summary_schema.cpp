@@ -47,7 +47,7 @@ Json map_of(Json schema) {
   return {{"type", "object"}, {"additionalProperties", std::move(schema)}};
 }
 
-/// What was not asked for is left out, but for what the run itself was.
+/// Families that were not asked for are left out, except for those about the run itself.
 bool is_always_there(const ResultFamily& family) {
   return family.family == "time" || family.family == "window" || family.family == "performance";
 }

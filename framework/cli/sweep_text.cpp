@@ -27,7 +27,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Of the layout of sweep.json: another one when a key goes or means something else.
+/// Version of the layout of sweep.json, which changes when a key goes or means something else.
 constexpr int kSweepJsonFormat = 1;
 constexpr std::size_t kMostNamesOnALine = 4;
 constexpr std::size_t kMostIntervalsShown = 4;
@@ -96,7 +96,7 @@ std::string interval_text(const SweepPlan& plan, const Bisection& one) {
   return text;
 }
 
-/// What is refined, how many points were added, and the first intervals with a result.
+/// Rows on what is refined, the number of points added, and the first intervals with a result.
 std::string refined_rows(const SweepPlan& plan, std::size_t added,
                          const std::vector<Bisection>& bisections) {
   if (!plan.refinement()) return "";

@@ -11,7 +11,7 @@
 #include "framework/study/sweep/plan.hpp"
 #include "framework/study/sweep/runner.hpp"
 
-/// What `tomlin sweep` writes besides its tables.
+/// Output of `tomlin sweep` besides its tables.
 namespace tomlin {
 
 /// "37 %, 370 of 1000 points, 2 failed, 0:12 elapsed, 0:20 remaining, 31 points/s"
@@ -24,7 +24,7 @@ std::string sweep_text(const SweepPlan& plan, const SweepProgress& progress,
                        const std::optional<SweepPart>& shard,
                        const std::vector<Bisection>& bisections);
 
-/// The same of `tomlin merge`. `first_missing`: of the points without a row, unless there is none.
+/// The result of `tomlin merge`. `first_missing` is the first point without a row, if any.
 std::string merge_text(const SweepPlan& plan, const SweepProgress& progress,
                        const SweepCounts* counts, std::size_t first_missing,
                        const std::string& where);

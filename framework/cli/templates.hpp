@@ -24,8 +24,8 @@ struct PluginTemplate {
 
 const std::vector<PluginTemplate>& plugin_templates();
 
-/// The same with a force between particles, whose class is called PairPluginName; what is different
-/// stands in templates/pairs/.
+/// Files of a plugin with a force between particles, whose class is called PairPluginName; those
+/// that differ stand in templates/pairs/.
 const std::vector<PluginTemplate>& pair_plugin_templates();
 
 /// The types that the headers of framework/core bring into a plugin: "Site".

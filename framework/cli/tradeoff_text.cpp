@@ -145,7 +145,7 @@ std::string marks_of(const Tradeoff& tradeoff, std::size_t index) {
   return marks;
 }
 
-/// Of each method and each power of ten of the error the cheapest point, and all that have a mark.
+/// Returns the cheapest point of each method in each decade of the error, and all that have a mark.
 std::vector<std::size_t> shown_points(const Tradeoff& tradeoff) {
   std::map<std::pair<std::size_t, int>, std::size_t> cheapest;
   std::vector<std::size_t> shown;

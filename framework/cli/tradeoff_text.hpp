@@ -8,7 +8,7 @@
 /// The result of a tradeoff for people and for programs.
 namespace tomlin {
 
-/// What is printed: the reference, a table, what was left out, the recommendation.
+/// The text to print: the reference, a table, what was left out, the recommendation.
 std::string tradeoff_text(const Scene& scene, const Tradeoff& tradeoff, const std::string& where);
 
 /// One row per point, 17 digits.

@@ -37,7 +37,7 @@ class Simulation {
   /// was stopped by Ctrl-C.
   bool advance(double to, std::uint64_t most_steps);
 
-  // Of all particles, [particle][axis], in memory that stays where it is.
+  // These hold all particles, [particle][axis], in memory that stays where it is.
   const std::vector<double>& positions();
   const std::vector<double>& velocities();
   const std::vector<double>& forces();
@@ -52,7 +52,7 @@ class Simulation {
     return positions_.size() / static_cast<std::size_t>(dimension());
   }
 
-  /// What restore() takes.
+  /// A saved state, which restore() takes.
   struct State {
     std::vector<std::byte> numbers;
     std::pair<std::size_t, std::size_t> kept;  ///< numbers of samples, and events, before it
@@ -60,7 +60,7 @@ class Simulation {
   };
   State state();
   void restore(const State& state);
-  /// Of a run that is not over, as if it were interrupted here.
+  /// Returns the result; that of a run that is not over is as if it were interrupted here.
   std::unique_ptr<RunHandle> result();
   const MemorySink& kept() const { return kept_; }
 
@@ -151,7 +151,7 @@ bool Simulation::take_steps(double to, std::uint64_t most_steps, std::atomic<boo
   while (!engine_->done() && engine_->steps() < last && engine_->time() < to - early) {
     if (stop) return false;
     std::uint64_t most = last - engine_->steps();
-    // What adaptive schemes choose is not known: a step at a time.
+    // Adaptive schemes choose steps of unknown length: they take one at a time.
     const double left = dt > 0.0 ? std::ceil((to - early - engine_->time()) / dt) : 1.0;
     if (left < static_cast<double>(most)) {
       most = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(left));

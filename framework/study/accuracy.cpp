@@ -42,8 +42,8 @@ bool key_has_any_of(const ResultQuantity& quantity, std::initializer_list<std::s
   });
 }
 
-/// What has an error: what drivers, bodies, forces and the ledger show. Counts and clocks have
-/// none, nor has what is read off steps at single events.
+/// Whether an observable has an error: those of drivers, bodies, forces and the energy balance have
+/// one. Counts and clocks have none, nor has what is read off steps at single events.
 bool has_error(const Observable& one) {
   const std::string& path = one.path;
   if (one.quantity->shape == Shape::count) return false;
@@ -207,7 +207,7 @@ std::vector<Companion> companions_of(const std::shared_ptr<const Scene>& scene) 
   }
   if (companions.size() == 1) companions.front().share *= kAlone;
   if (!companions.empty()) return companions;
-  // Of second order at least: three quarters of the error have gone with half the step.
+  // From second order on, half the step removes at least three quarters of the error.
   return {{with_integrator_coarser(scene, 0.5), "", kAlone * 4.0 / 3.0}};
 }
 

@@ -18,11 +18,11 @@
 namespace tomlin {
 namespace {
 
-/// Of numbers that are meant to be the same and were worked out from parameters.
+/// Relative tolerance for numbers that are meant to be equal and were computed from parameters.
 constexpr double kSame = 1e-9;
 constexpr std::size_t kPoints = 1000;
 
-/// What makes models comparable, and what may differ.
+/// Properties that make models comparable, and those that may differ.
 struct Setup {
   std::vector<double> periods;   ///< of all forces along the pull, ascending, each once
   std::vector<double> velocity;  ///< of the only driver; empty where none moves steadily

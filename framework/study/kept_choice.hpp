@@ -12,7 +12,7 @@ namespace tomlin {
 
 void keep_choice(RunStore& store, const ChosenIntegrator& chosen);
 
-/// The same choice again, bit by bit, for the same scene; nothing where none was kept.
+/// Returns the kept choice, bit by bit, for the same scene; nothing where none was kept.
 std::optional<ChosenIntegrator> kept_choice(const RunStore& store,
                                             const std::shared_ptr<const Scene>& scene,
                                             const Registry& registry);

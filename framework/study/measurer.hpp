@@ -14,7 +14,7 @@
 
 namespace tomlin {
 
-/// What one run told about an observable, and what it cost.
+/// Value of an observable from one run, and the cost of the run.
 struct Measurement {
   TrialRun::End end = TrialRun::End::finished;
   std::optional<double> value;  ///< nothing when the run did not finish or the number is undefined
@@ -38,7 +38,7 @@ class Measurer {
 
   /// At most so many seconds, and never more than the budget has left.
   const Measurement& at(const Method& method, double resolution, double most_seconds);
-  /// The same without memory, for other settings or starts.
+  /// Measures other settings or starts within the same limits, and remembers nothing.
   Measurement with(const std::vector<Setting>& settings, double most_seconds,
                    const std::optional<Perturbation>& perturbation = {});
 

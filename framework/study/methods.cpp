@@ -79,7 +79,7 @@ std::vector<ModelChange> model_changes(const Scene& scene) {
   return changes;
 }
 
-/// What has no advantage where there is no noise.
+/// Whether an integrator has no advantage where there is no noise.
 bool is_for_noise(const IntegratorRecord& integrator) {
   return integrator.half_step_velocities || !integrator.with_inertia;
 }

@@ -15,7 +15,7 @@ namespace tomlin {
 /// The finest tolerance of an adaptive scheme that doubles can keep.
 inline constexpr double kFinestTolerance = 1e-13;
 
-/// What makes a method more accurate.
+/// Setting of a method that makes it more accurate.
 enum class Resolution { step, tolerance };
 
 constexpr auto word_table(Resolution) {
@@ -33,10 +33,10 @@ struct Method {
   /// Tolerances as the resolution has them are relative; absolute ones are this many times larger:
   /// the scene's length.
   double absolute_share = 1.0;
-  /// What steps have two digits in, so that a scene in other units gets the same: the run's
-  /// duration.
+  /// Unit in which steps have two digits, so that a scene in other units gets the same steps: the
+  /// run's duration.
   double unit = 1.0;
-  /// Of a fixed step; infinite where nothing is known to limit it.
+  /// The largest stable fixed step; infinite where nothing is known to limit it.
   double stable_step = std::numeric_limits<double>::infinity();
   std::string refused;  ///< why the scene cannot be run so; empty when it can
 
@@ -52,14 +52,14 @@ struct Method {
 /// the reason; the order is that of the registry. Binds the scene once for each method.
 std::vector<Method> methods_for(const Variants& variants);
 
-/// Those of them that solve the scene's own equations in its own number type.
+/// Methods that solve the scene's own equations in its own number type.
 std::vector<Method> methods_of_own_model(const Variants& variants);
 
 /// The scene's length (framework/scene/natural_units.hpp).
 double length_scale(const Scene& scene);
 
-/// What an error of the input says, on one line: its first fault without its place, and how many
-/// more there are.
+/// Returns an input error on one line: its first fault without its position in the file, and how
+/// many more there are.
 std::string condensed(const InputError& error);
 
 }  // namespace tomlin

@@ -24,10 +24,10 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Of the error allowed, what the first companion may have in the pilot: a whole run is not quite
-/// it.
+/// Part of the allowed error that the first companion may have in the pilot: a whole run differs
+/// from the pilot.
 constexpr double kShareOfCompanion = 0.1;
-/// The same of what would be stated.
+/// Part of the allowed error that the stated error may have in the pilot.
 constexpr double kMostStated = 0.5;
 /// The pilot's reference is so much finer than what is asked for.
 constexpr double kReferenceShare = 1e-4;
@@ -59,7 +59,7 @@ constexpr double kFloor = 1e-3;
 /// A body that moves by less of the scene's length does not move.
 constexpr double kUnmoved = 1e-9;
 
-/// What headlines are made of.
+/// Quantities that headlines are made of.
 constexpr const char* kHeadlines[] = {"drivers.mean_force", "drivers.max_force",
                                       "drivers.min_force", "bodies.mean_velocity",
                                       "bodies.max_speed"};
@@ -282,7 +282,7 @@ class Pilot {
     return chosen;
   }
 
-  /// Of the most accurate setting, whose error is larger than what is asked for or not known.
+  /// Warns that the error of the most accurate setting is larger than asked for or not known.
   Warning warning_of(const Tried& best) const {
     if (!std::isfinite(best.error)) {
       return {FaultCode::run_accuracy_no_reference,
@@ -331,16 +331,16 @@ class Pilot {
       return false;
     }
     const auto cost = static_cast<double>(trial.cost());
-    // What costs far more than the reference is of no use.
+    // Settings that cost far more than the reference are of no use.
     most_expensive_ = kMostExpensive * cost;
     tried_.push_back({one.method, kReferenceLevel, tolerance, cost, kReferenceShare * accuracy_});
     reference_ = std::move(trial.result);
     return true;
   }
 
-  /// What all of a run over budget would cost: at least what it has. Explicit schemes, whose steps
-  /// are as long as they are stable, go on as they began; implicit ones may begin with steps that
-  /// are shorter by far. Infinite where a run fails.
+  /// Projects the cost of a whole run that went over budget: at least its cost so far. Explicit
+  /// schemes, whose steps are as long as stability allows, continue as they began; implicit ones
+  /// may begin with steps that are shorter by far. The cost is infinite where a run fails.
   double projected_cost(std::size_t method, const TrialRun& trial) const {
     if (trial.end != TrialRun::End::over_budget) return kInfinity;
     const auto cost = static_cast<double>(trial.cost());
@@ -453,7 +453,7 @@ class Pilot {
     return nullptr;
   }
 
-  /// As counted, or since the same or a coarser setting has taken more already.
+  /// Whether a setting costs too much, as counted or since it or a coarser one has taken more.
   bool is_too_expensive(std::size_t method, int level, double allowed) const {
     if (cost_of_steps(method, level).value_or(0.0) > allowed + 1.0) return true;
     return std::any_of(
@@ -590,7 +590,7 @@ class Pilot {
     return main;
   }
 
-  /// As far as the pilot knows: differences to companions are hardly more than their errors.
+  /// Estimates the error to be stated: differences to companions are hardly more than their errors.
   double stated_error(const Tried& main) {
     const CompanionShares shares = shares_of(methods_[main.method]);
     double stated = 0.0;

@@ -33,14 +33,14 @@ inline constexpr double kMostForCompanions = 2.5;
 inline constexpr std::size_t kCompanions = 2;
 using CompanionShares = std::array<double, kCompanions>;
 
-/// What share of the differences to companions is taken for the error, the largest of the two. To
+/// Shares of the differences to companions that are taken for the error, the larger of the two. To
 /// tolerances ten and a hundred times as wide differences are 9 and 99 times the error where it
 /// goes with the tolerance. Shares that come to 18 and 50 of it leave one result in a hundred
 /// outside, over random scenes, and state 50 times the error in the median
 /// (tests/properties/stated_errors.py); one companion alone left four, whatever its share.
 inline constexpr CompanionShares kSharesOfTolerances = {2.0, 0.5};
 
-/// The same for steps twice and four times as long of a scheme of this order.
+/// Shares for steps twice and four times as long, of a scheme of this order.
 CompanionShares shares_of_steps(int order);
 
 /// The factor that one companion alone is trusted less by.
@@ -61,7 +61,7 @@ struct Companion {
   bool other_family = false;
 };
 
-/// What warnings of the choice and of the errors are about.
+/// Key that warnings of the choice and of the errors name.
 inline constexpr const char* kAccuracyKey = "run.accuracy";
 
 struct ChosenIntegrator {

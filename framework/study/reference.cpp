@@ -21,7 +21,7 @@ namespace {
 constexpr double kFiner = 1e-3;
 /// Tolerance of adaptive schemes at a first look.
 constexpr double kPilotTolerance = 1e-6;
-/// What the second scheme and the runs in quadruple may use of the budget.
+/// Shares of the budget for the scheme, its pilot, the second scheme and the runs in quadruple.
 constexpr double kShareOfMain = 0.3;
 constexpr double kShareOfPilot = 0.05;
 constexpr double kShareOfSecond = 0.15;
@@ -235,7 +235,7 @@ class ReferenceSearch {
     }
   }
 
-  /// The same for a part of the run, window included.
+  /// Returns the settings of a scheme for a part of the run, window included.
   std::vector<Setting> shortened(const ReferenceSetup& scheme, double part) const {
     const Scene& scene = variants_.scene();
     std::vector<Setting> settings = scheme.method->at(scheme.resolution);

@@ -8,7 +8,7 @@
 
 namespace tomlin {
 
-/// The same from starts that hardly differ: is the observable determined by the scene at all?
+/// Runs from starts that hardly differ show whether the scene determines the observable at all.
 struct Sensitivity {
   enum class Verdict { determined, not_determined, unknown } verdict = Verdict::unknown;
   std::string why;             ///< when unknown

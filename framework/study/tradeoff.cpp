@@ -131,7 +131,7 @@ class TradeoffStudy {
     for (std::size_t r = 0; r < count; ++r) {
       if (measurer_.interrupted()) return;
       if (found_.methods[r].refused.empty()) say(found_.methods[r].name);
-      // What one method leaves of its share goes to those that follow.
+      // The part of its share that a method leaves goes to those that follow.
       const auto runs = std::count_if(found_.methods.begin() + static_cast<std::ptrdiff_t>(r),
                                       found_.methods.end(),
                                       [](const Method& method) { return method.refused.empty(); });

@@ -13,7 +13,7 @@
 #include "framework/study/reference.hpp"
 #include "framework/study/sensitivity.hpp"
 
-/// What accuracy costs on a scene, and the cheapest way to buy as much as is wanted.
+/// Cost of accuracy on a scene, and the cheapest way to reach the accuracy that is asked for.
 namespace tomlin {
 
 struct TradeoffRequest {
@@ -44,7 +44,7 @@ struct TradeoffPoint {
   std::uint64_t cost() const { return evaluations + columns; }
 };
 
-/// What is not in the diagram.
+/// A method, or settings of one, that are not in the diagram.
 struct TradeoffGap {
   enum class Kind {
     refused,

@@ -43,7 +43,7 @@ struct TrialRun {
 /// is stopped, a few dozen steps later; all steps are those of run().
 TrialRun try_run(const std::shared_ptr<const Scene>& scene, const TrialLimits& limits = {});
 
-/// What there is in the results of a scene, none of it measured: binds the scene and takes no step.
+/// Returns the results that a scene has, none of them measured: binds the scene and takes no step.
 /// Throws InputError for what a run would refuse.
 RunResult result_at_start(const std::shared_ptr<const Scene>& scene);
 

@@ -46,7 +46,7 @@ double rounded(double x, int digits) {
   return result;
 }
 
-/// The same of a resolution, which is a step in parts of the run or a tolerance.
+/// Rounds a resolution, which is a step in parts of the run or a tolerance.
 double rounded(const Method& method, double resolution, int digits) {
   return rounded(resolution / method.unit, digits) * method.unit;
 }
@@ -211,7 +211,7 @@ std::vector<std::size_t> points_of(std::size_t method, const std::vector<Tradeof
   return found;
 }
 
-/// Of one method: the coarsest point from which on all keep the tolerance, and the one before it.
+/// The coarsest point of a method from which on all keep the tolerance, and the one before it.
 struct Bracket {
   std::size_t coarse = kNone;
   std::size_t fine = kNone;
@@ -275,7 +275,7 @@ void refine(const Aim& aim, Measurer& measurer, Tradeoff& tradeoff) {
     for (std::size_t r = 0; r < tradeoff.methods.size(); ++r) {
       const Bracket bracket = bracket_of(aim, r, tradeoff.points);
       if (bracket.coarse == kNone || bracket.fine == kNone) continue;
-      // What lies between costs more than the coarser of the two.
+      // A point between the two costs more than the coarser one.
       if (tradeoff.points[bracket.coarse].cost() >= least) continue;
       const auto middle = between(tradeoff.methods[r], tradeoff.points[bracket.coarse].resolution,
                                   tradeoff.points[bracket.fine].resolution);

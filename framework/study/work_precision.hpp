@@ -8,7 +8,7 @@
 
 namespace tomlin {
 
-/// What the diagram is to show.
+/// Reference and errors that the diagram is to show.
 struct Aim {
   double reference = 0.0;
   double tolerance = 0.0;    ///< absolute

@@ -240,7 +240,7 @@ def figure_9(tomlin):
         fx, fy = (after_first(trace[f"driver.force.{axis}"], 10) for axis in "xy")
         found = slips_per_period(trace, summary["parameters"]["v"], 10)
         hop = max(turned for _, turned in hops(trace, float(row), 10))
-        # Where the driver overtakes, not in a slip: F_x rises through zero.
+        # F_x rises through zero where the driver overtakes, not in a slip.
         step = max(2.0 * abs(fy[n]) for n in range(len(fx) - 1) if fx[n] <= 0.0 < fx[n + 1])
         say(f"  {row:<7}  {mean_force(summary):.4e}   {min(height):.3e}    {max(height):.3e}"
             f"    {turns_per_period(summary):+.6f}     {found:.0f}             {hop:.1e}"

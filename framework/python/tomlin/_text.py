@@ -31,7 +31,7 @@ def _plain(value: Any) -> Any:
         value = value.tolist()
     if isinstance(value, os.PathLike):
         value = os.fspath(value)
-    # What is longer than a double is a scalar of NumPy still.
+    # A number longer than a double is still a scalar of NumPy.
     return float(value) if type(value).__module__ == "numpy" and isinstance(
         value, numbers.Real) else value
 

@@ -10,7 +10,7 @@ TOMLIN_DECLARE_KERNELS(PairPluginName)
 namespace tomlin {
 namespace {
 
-/// What does not fit the scene: of two images of a particle within the cutoff only one would count.
+/// Refuses a cutoff within which two images of a particle may be: only one of them would count.
 std::vector<Complaint> complaints(const PairPluginNameDescription& d, const SceneOutline& scene) {
   for (const double length : scene.box) {
     if (!(length > 0.0) || d.cutoff <= 0.5 * length) continue;
@@ -24,7 +24,7 @@ std::vector<Complaint> complaints(const PairPluginNameDescription& d, const Scen
 
 }  // namespace
 
-/// What the force is called, where it comes from and what it takes. A row for each
+/// Returns the name, the source and the parameters of the force. A row for each
 /// parameter reads scenes, refuses what is out of range and documents.
 ForceRecord plugin_name_record() {
   using Description = PairPluginNameDescription;

@@ -4,8 +4,8 @@
 #include "framework/core/records/parameter.hpp"
 #include "framework/core/records/registry.hpp"
 
-/// What the force is: a soft repulsion between particles that ends at a cutoff. Put your own in its
-/// place.
+/// This force is a soft repulsion between particles that ends at a cutoff. Replace it by your own
+/// force.
 ///
 ///   V = height (1 - r^2/cutoff^2)^3  for r < cutoff, 0 beyond, each pair once
 ///

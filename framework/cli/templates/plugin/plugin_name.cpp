@@ -7,7 +7,7 @@ TOMLIN_DECLARE_KERNELS(PluginName)
 
 namespace tomlin {
 
-/// What the force is called, where it comes from and what it takes. A row for each
+/// Returns the name, the source and the parameters of the force. A row for each
 /// parameter reads scenes, refuses what is out of range and documents.
 ForceRecord plugin_name_record() {
   // Its traits follow from the evaluator: an energy makes it conservative. `tomlin check` tests

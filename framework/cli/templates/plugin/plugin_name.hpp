@@ -3,7 +3,7 @@
 #include "framework/core/elements/element.hpp"
 #include "framework/core/records/registry.hpp"
 
-/// What the force is: a harmonic trap about the scene's zero. Put your own in its place.
+/// This force is a harmonic trap about the scene's zero. Replace it by your own force.
 ///
 ///   V = (stiffness/2) |x|^2,  F = -stiffness x,  on each particle
 ///
