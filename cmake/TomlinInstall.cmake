@@ -23,13 +23,17 @@ install(TARGETS tomlin EXPORT tomlin RUNTIME COMPONENT program)
 if(TARGET tomlin_kim)
   install(TARGETS tomlin_kim LIBRARY DESTINATION lib/tomlin COMPONENT kim)
 endif()
+if(TARGET tomlin_python)
+  install(DIRECTORY ${CMAKE_BINARY_DIR}/python DESTINATION lib/tomlin COMPONENT python
+          USE_SOURCE_PERMISSIONS PATTERN __pycache__ EXCLUDE)
+endif()
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME development)
 install(TARGETS ${targets} EXPORT tomlin INCLUDES DESTINATION ${header_folder})
 install(EXPORT tomlin FILE tomlinTargets.cmake NAMESPACE tomlin:: DESTINATION ${package_folder})
 
 install(DIRECTORY framework forcefields integrators DESTINATION ${header_folder}
-        FILES_MATCHING PATTERN "*.hpp" PATTERN "cli" EXCLUDE PATTERN "plot" EXCLUDE
-        PATTERN "kim" EXCLUDE)
+        FILES_MATCHING PATTERN "*.hpp" PATTERN "cli" EXCLUDE PATTERN "kim" EXCLUDE
+        PATTERN "python" EXCLUDE)
 install(FILES ${CMAKE_BINARY_DIR}/border/framework/plugin/border.hpp
         DESTINATION ${header_folder}/framework/plugin)
 configure_package_config_file(cmake/tomlinConfig.cmake.in

@@ -1,5 +1,5 @@
-# cpack: a Debian package of the program with its pages and scenes, one of the library, and an archive
-# of the sources. `./dev package` makes all.
+# cpack: a Debian package of the program with its pages and scenes, one of the library, one of the
+# Python module where it is built, and an archive of the sources. `./dev package` makes all.
 
 # What has to be built for them, which is not the tests.
 add_custom_target(packaged DEPENDS tomlin ${targets})
@@ -19,9 +19,20 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME tomlin)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS gnuplot-nox)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS python3-tomlin)
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION
     "Tips, chains and rings on periodic surfaces, assembled from forces in TOML scenes.")
+
+if(TARGET tomlin_python)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+  add_dependencies(packaged python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-tomlin)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "tomlin (= ${PROJECT_VERSION}), python3, python3-numpy")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS python3-matplotlib)
+  set(CPACK_COMPONENT_PYTHON_DESCRIPTION
+      "The Python module, in /usr/lib/tomlin/python, which draws the figures of tomlin plot.")
+endif()
 
 if(TARGET tomlin_kim)
   list(APPEND CPACK_COMPONENTS_ALL kim)

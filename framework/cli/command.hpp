@@ -15,7 +15,7 @@ namespace tomlin {
 struct DeclaredCommand {
   /// Called once the options have been read. Throws InputError where they contradict each other.
   std::function<void()> check;
-  /// Called after `check`. Returns the exit status. Throws InputError, OutputError, GnuplotError.
+  /// Called after `check`. Returns the exit status. Throws InputError, OutputError.
   std::function<int()> run;
 };
 

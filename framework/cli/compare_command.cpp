@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "framework/cli/command.hpp"
 #include "framework/cli/compare_text.hpp"
 #include "framework/cli/exit_status.hpp"
@@ -14,7 +16,6 @@
 #include "framework/cli/plugins.hpp"
 #include "framework/cli/print_result.hpp"
 #include "framework/cli/stop_signals.hpp"
-#include "framework/cli/study_figure.hpp"
 #include "framework/core/text/fault.hpp"
 #include "framework/output/run_folder.hpp"
 #include "framework/study/compare.hpp"
@@ -51,7 +52,9 @@ Examples:
 DIR then holds
   compare.csv       a row for each model
   compare.json      the same, with notes and warnings
-  compare.svg       the forces of the drivers over their way, when there is gnuplot
+  curves.csv        for each model with a driver the force along its pull over its displacement
+
+tomlin plot DIR -o compare.svg draws the curves.
 
 Exit status: 0 done; 1 a run failed, or the results could not be written; 2 invalid input;
 nothing was written; 130 or 143 after an interrupt.)";
@@ -59,8 +62,8 @@ nothing was written; 130 or 143 after an interrupt.)";
 constexpr const char* kDefaultFolder = "compare.out";
 constexpr const char* kCsvFile = "compare.csv";
 constexpr const char* kJsonFile = "compare.json";
-constexpr const char* kFigureFile = "compare.svg";
-constexpr std::array kFiles = {kCsvFile, kJsonFile, kFigureFile};
+constexpr const char* kCurvesFile = "curves.csv";
+constexpr std::array kFiles = {kCsvFile, kJsonFile, kCurvesFile};
 
 /// The faults of all scenes together.
 std::vector<std::shared_ptr<const Scene>> read_scenes(const std::vector<SceneDocument>& documents,
@@ -117,10 +120,9 @@ int compare(const CompareArguments& arguments) {
       compare_models(scenes, {arguments.observable, arguments.tolerance, &signals.stop()});
 
   folder.write_file(kCsvFile, compare_csv(comparison));
-  std::string where = (folder.path() / "").string() + ": " + kJsonFile + ", " + kCsvFile;
-  if (write_study_figure(folder, kFigureFile, compare_figure(comparison))) {
-    where += std::string(", ") + kFigureFile;
-  }
+  folder.write_file(kCurvesFile, compare_curves_csv(comparison));
+  const std::string where = fmt::format("{}: {}, {}, {}", (folder.path() / "").string(), kJsonFile,
+                                        kCsvFile, kCurvesFile);
   folder.write_file(kJsonFile, compare_json(comparison));
   const int status = print_result(compare_text(comparison, where));
   if (comparison.interrupted) return kExitSignal + signals.caught();

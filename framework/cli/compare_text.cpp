@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <fmt/format.h>
@@ -14,8 +15,6 @@ namespace tomlin {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr double kHeight = 300.0;  // of the panel, in points of the screen
 
 std::string answer(const Comparison& comparison) {
   if (comparison.interrupted) return "interrupted: no model was judged\n";
@@ -111,30 +110,29 @@ std::string compare_json(const Comparison& comparison) {
   return json_text(json);
 }
 
-Figure compare_figure(const Comparison& comparison) {
-  Figure figure;
-  const auto unit = [&](const Dimension& dimension) {
-    return unit_in_tables(comparison.units, dimension);
+std::string compare_curves_csv(const Comparison& comparison) {
+  struct Sample {
+    std::size_t model, row;
   };
-  figure.x_label = {fmt::format("displacement of the driver [{}]", unit(dimension::length))};
-  Panel panel;
-  panel.height = kHeight;
-  panel.y_label = {fmt::format("lateral force along the pull [{}]", unit(dimension::force))};
+  std::vector<Sample> samples;
   for (std::size_t k = 0; k < comparison.models.size(); ++k) {
-    const ComparedModel& model = comparison.models[k];
-    if (model.way.empty()) continue;
-    Polyline line;
-    for (std::size_t i = 0; i < model.way.size(); ++i) {
-      line.push_back({model.way[i], model.force[i]});
+    for (std::size_t row = 0; row < comparison.models[k].way.size(); ++row) {
+      samples.push_back({k, row});
     }
-    Curve curve;
-    curve.label = model.name;
-    curve.colour = static_cast<int>(k);
-    curve.pieces = {std::move(line)};
-    panel.curves.push_back(std::move(curve));
   }
-  if (!panel.curves.empty()) figure.panels = {std::move(panel)};
-  return figure;
+  const auto heading = [&](const char* name, const Dimension& dimension) {
+    return fmt::format("{} [{}]", name, unit_in_tables(comparison.units, dimension));
+  };
+  const std::string displacement = heading("displacement", dimension::length);
+  const std::string force = heading("force", dimension::force);
+  const auto model = [&](Sample at) -> const ComparedModel& { return comparison.models[at.model]; };
+  OutputTable table;
+  table.add({.csv = "model"}, samples, [](Sample at) { return at.model; });
+  table.add({.csv = "name", .quoted = true}, samples, [&](Sample at) { return model(at).name; });
+  table.add({.csv = displacement.c_str()}, samples,
+            [&](Sample at) { return model(at).way[at.row]; });
+  table.add({.csv = force.c_str()}, samples, [&](Sample at) { return model(at).force[at.row]; });
+  return table.csv();
 }
 
 }  // namespace tomlin

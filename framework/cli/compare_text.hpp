@@ -2,7 +2,6 @@
 
 #include <string>
 
-#include "framework/plot/figure.hpp"
 #include "framework/study/compare.hpp"
 
 namespace tomlin {
@@ -14,8 +13,7 @@ std::string compare_text(const Comparison& comparison, const std::string& where)
 std::string compare_csv(const Comparison& comparison);
 std::string compare_json(const Comparison& comparison);
 
-/// The drivers' forces along their pull over their way, a curve for each model. No panel where no
-/// model has a driver.
-Figure compare_figure(const Comparison& comparison);
+/// The drivers' forces along their pull over their way: a row for each sample of each model.
+std::string compare_curves_csv(const Comparison& comparison);
 
 }  // namespace tomlin

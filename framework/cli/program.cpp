@@ -15,7 +15,6 @@
 #include "framework/core/text/fault.hpp"
 #include "framework/model/plugin_code.hpp"
 #include "framework/output/output_file.hpp"
-#include "framework/plot/gnuplot.hpp"
 #include "framework/plugin/load.hpp"
 
 namespace tomlin {
@@ -50,8 +49,6 @@ int guarded_program(int argc, const char* const* argv) {
     return end_with(kExitFailed, FaultCode::plugin_error, error.what());
   } catch (const OutputError& error) {
     return end_with(kExitFailed, FaultCode::file_cannot_write, error.what() + or_a_plugin());
-  } catch (const GnuplotError& error) {
-    return end_with(kExitFailed, FaultCode::plot_no_matplotlib, error.what() + or_a_plugin());
   } catch (const std::bad_alloc&) {
     return end_with(kExitBadInput, FaultCode::scene_too_large,
                     "this takes more memory than there is" + or_a_plugin());

@@ -20,8 +20,6 @@
 #include "framework/cli/printable.hpp"
 #include "framework/cli/progress.hpp"
 #include "framework/cli/stop_signals.hpp"
-#include "framework/cli/study_figure.hpp"
-#include "framework/cli/tradeoff_figure.hpp"
 #include "framework/cli/tradeoff_scene.hpp"
 #include "framework/cli/tradeoff_text.hpp"
 #include "framework/core/text/fault.hpp"
@@ -66,15 +64,15 @@ A run that does not fit into the budget is left out, and listed with how far it 
 DIR then holds
   tradeoff.csv      every point: rung (the method), step or tolerance, value, error, cost
   tradeoff.json     the same with the reference, what was left out and the recommendation
-  tradeoff.svg      error against cost, when there is gnuplot
+
+tomlin plot DIR -o tradeoff.svg draws error against cost.
 
 Exit status: 0 done, whatever was found; 1 the results could not be written; 2 the input was not
 right, and nothing was written; 130 or 143 after an interrupt.)";
 
 constexpr const char* kCsvFile = "tradeoff.csv";
 constexpr const char* kJsonFile = "tradeoff.json";
-constexpr const char* kFigureFile = "tradeoff.svg";
-constexpr std::array kFiles = {kCsvFile, kJsonFile, kFigureFile};
+constexpr std::array kFiles = {kCsvFile, kJsonFile};
 
 std::string default_folder(const std::string& scene_file) {
   return fs::path(scene_file).stem().string() + ".tradeoff.out";
@@ -162,10 +160,6 @@ int measure(const TradeoffArguments& arguments) {
 
   folder.write_file(kCsvFile, tradeoff_csv(tradeoff));
   std::string where = (folder.path() / "").string() + ": " + kJsonFile + ", " + kCsvFile;
-  if (!tradeoff.points.empty() &&
-      write_study_figure(folder, kFigureFile, tradeoff_figure(tradeoff))) {
-    where += std::string(", ") + kFigureFile;
-  }
   folder.write_file(kJsonFile, tradeoff_json(*scene, tradeoff));
   std::string trouble;
   if (arguments.write && tradeoff.recommendation) {

@@ -89,7 +89,8 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     package = BUILD / "python" / "tomlin"
     suffix = sysconfig.get_config_var("EXT_SUFFIX")
     return write_wheel(wheel_directory, {
-        f"tomlin/{path.name}": path.read_bytes() for path in sorted(package.iterdir())
+        f"tomlin/{path.relative_to(package)}": path.read_bytes()
+        for path in sorted(package.rglob("*"))
         if path.suffix in (".py", ".pyi", ".typed") or path.name == "py.typed"
         or path.name.endswith(suffix)})
 

@@ -159,6 +159,8 @@ py::dict layout_of(const MemorySink& kept);
 py::list events_of(const MemorySink& kept);
 
 void define_scenes(py::module_& module);
+/// What figures need beside samples: shapes, potentials, names of results.
+void define_figures(py::module_& module, py::class_<SceneHandle>& scene);
 void define_runs(py::module_& module);
 void define_simulations(py::module_& module);
 void define_sweeps(py::module_& module);

@@ -95,8 +95,9 @@ py::tuple compare(const std::vector<SceneHandle>& handles, const std::string& ob
 
 void define_scenes(py::module_& module) {
   const auto standard = std::make_shared<const Registry>(standard_registry());
-  py::class_<SceneHandle>(module, "Scene")
-      .def("with_settings", &with_settings)
+  py::class_<SceneHandle> scene(module, "Scene");
+  define_figures(module, scene);
+  scene.def("with_settings", &with_settings)
       .def_property_readonly("file", [](const SceneHandle& it) { return text_of(it.scene->file); })
       .def_property_readonly("name", [](const SceneHandle& it) { return it.scene->name; })
       .def_property_readonly("source", [](const SceneHandle& it) { return it.scene->source; })

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Draws the figures of Sircar and Patra into FOLDER. Needs gnuplot.
+# Draws the figures of Sircar and Patra into FOLDER. Needs matplotlib.
 #
 #     scenarios/rolling_ring/draw.sh PROGRAM FOLDER [FIGURE ...]
 set -euo pipefail

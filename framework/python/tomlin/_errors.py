@@ -105,12 +105,35 @@ def above_zero(value: Any, name: str) -> float:
     return number
 
 
+def refusal(code: str, file: str, why: str, *, key: str = "", value: str = "", admissible: str = "",
+            nearest: str = "", line: int = 0, column: int = 0,
+            kind: type[SceneError] = SceneError) -> SceneError:
+    """An error with one fault, whose text is put together as the program does it."""
+    place = f"{file}:{line}:{column}" if line else file
+    text = f"{place}: error: " + (f"{key}{f' = {value}' if value else ''}: " if key else "") + why
+    text += f"; expected: {admissible}" if admissible else ""
+    text += f'; did you mean "{nearest}"?' if nearest else ""
+    return kind([Fault(code, file, line, column, key, value, why, admissible, nearest,
+                       f"{text} [{code}]")])
+
+
+def nearest_name(name: str, known: Iterable[str]) -> str:
+    """The known name that was probably meant; empty where none is close."""
+    return next(iter(difflib.get_close_matches(name, list(known), 1)), "")
+
+
+def listed(names: Iterable[str], most: int = 20) -> str:
+    """The first names, for a message."""
+    all_names = list(names)
+    return ", ".join(all_names[:most]) + (", ..." if len(all_names) > most else "")
+
+
 def no_such_name(name: str, known: Iterable[str], owner: str) -> QuantityError:
     """Of a sweep or a result, with the nearest name."""
     names = list(known)
-    nearest = next(iter(difflib.get_close_matches(name, names, 1)), "")
+    nearest = nearest_name(name, names)
     why = f"the {owner} has no such name"
-    admissible = ", ".join(names[:20]) + (", ..." if len(names) > 20 else "")
+    admissible = listed(names)
     hint = f'; did you mean "{nearest}"?' if nearest else f"; expected: {admissible}"
     return QuantityError([Fault("observable.unknown", owner, 0, 0, name, "", why, admissible, nearest,
                                 f"{owner}: error: {name}: {why}{hint}")])

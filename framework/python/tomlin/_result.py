@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import os
-import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,13 +15,12 @@ from numpy.typing import NDArray
 from tomlin import _core
 from tomlin._errors import OutputError, QuantityError, RunError, SceneError, no_such_name
 from tomlin._record import Record, shown, table_html, wrapped
+from tomlin._tables import EVENT_FIELDS, read_events, read_samples
 
 if TYPE_CHECKING:
     from tomlin._scene import Scene
 
 _AXES = "xyz"
-_EVENT_FIELDS = ("duration", "size", "energy_lost", "peak_force")
-_HEADING = re.compile(r"(.*) \[(.*)\]")
 
 
 class Table(np.ndarray[Any, Any]):
@@ -109,7 +105,7 @@ def events_table(events: Sequence[tuple[Any, ...]]) -> Table:
     event has no such number."""
     width = [max([1, *(len(one[k]) for one in events)]) for k in (1, 2)]
     fields = [("time", "f8"), ("event", f"U{width[0]}"), ("name", f"U{width[1]}"),
-              *((name, "f8") for name in _EVENT_FIELDS)]
+              *((name, "f8") for name in EVENT_FIELDS)]
     units = {"time": "time", "duration": "time", "energy_lost": "energy", "peak_force": "force"}
     return Table(np.array(events, dtype=fields), units)
 
@@ -315,15 +311,7 @@ class Result:
         if self._run is not None and self._folder is None:
             return events_table(self._run.events())
         file = self._files() / "events.csv"
-        if not file.exists():
-            return events_table([])
-        try:
-            rows = list(csv.reader(_lines_of(file)))[1:]
-            return events_table([
-                (float(row[0]), row[1], row[2],
-                 *(float(one) if one else np.nan for one in row[3:])) for row in rows])
-        except (ValueError, LookupError, csv.Error):
-            raise OutputError(f"{file} is no table of events") from None
+        return events_table(_read(read_events, file) if file.exists() else [])
 
     @property
     def events(self) -> Table:
@@ -339,16 +327,19 @@ class Result:
                 for path, value, unit, meaning in self._run.quantities()}
 
     def plot(self, y: str | None = None, x: str | None = None, ax: Any = None, **options: Any) -> Any:
-        """Draws one column of the samples over another by matplotlib, and returns the axes.
+        """Draws a figure by matplotlib, and returns the axes.
 
-        By default the force of the first driver along its pull, over the displacement of the
-        driver's end or else over time: the friction trace, or the friction loop of a driver that
-        reverses. ``options`` are those of ``Axes.plot``. Raises ValueError where there are no
-        samples, KeyError for a column that there is not, ImportError without matplotlib.
+        ``y`` over ``x`` are columns of the samples or quantities of ``tomlin plot``, as
+        "force_size"; ``y`` alone may be one of its figures, "hysteresis", "loop", "path", "ring",
+        "slips" or "surface". By default the force of the first driver along its pull, over the
+        position of the driver's end or else over time: the friction trace, or the friction loop of
+        a driver that reverses. ``options`` are those of ``Axes.plot``. Raises `SceneError` where
+        there are no samples, `QuantityError` for a column that there is not, ImportError without
+        matplotlib; warns of a flexible body, which "ring" draws in the shape that it starts with.
         """
-        from tomlin._plots import plot_samples
+        from tomlin._plots import plot_result
 
-        return plot_samples(self, y, x, ax, **options)
+        return plot_result(self, y, x, ax, **options)
 
     def _rows(self) -> dict[str, Any]:
         summary = self.summary
@@ -392,28 +383,20 @@ def _identity_of(folder: Path) -> tuple[int, ...] | None:
     return found.st_dev, found.st_ino, found.st_mtime_ns, found.st_size
 
 
-def _lines_of(file: Path) -> list[str]:
-    """Raises ValueError where it does not end with a whole line."""
-    text = file.read_bytes().decode("utf-8")
-    if not text.endswith("\n"):
-        raise ValueError
-    return text.splitlines(keepends=True)
+def _read(reader: Callable[[str], Any], file: Path) -> Any:
+    """Raises OutputError, with the place of what is damaged."""
+    try:
+        return reader(str(file))
+    except SceneError as error:
+        raise OutputError(str(error)) from None
 
 
 def _samples_in(file: Path) -> Table:
     if not file.exists():
         return samples_table(np.empty((0, 0)), {"columns": [], "bodies": []})
-    try:
-        lines = _lines_of(file)
-        head, rows = lines[0], "".join(lines[1:])
-        headings = [_HEADING.fullmatch(one) for one in next(csv.reader([head.rstrip("\n")]), [])]
-        columns = [one.groups() for one in headings if one]
-        numbers = np.loadtxt(io.StringIO(rows), delimiter=",", ndmin=2) if rows else np.empty((0, 0))
-        if not columns or len(columns) != len(headings) or rows and numbers.shape[1] != len(columns):
-            raise ValueError
-    except ValueError:
-        raise OutputError(f"{file} is no table of samples") from None
-    return samples_table(np.ascontiguousarray(numbers), {"columns": columns, "bodies": []})
+    columns = _read(read_samples, file)
+    numbers = np.stack([columns[name] for name in columns.names], axis=1)
+    return samples_table(numbers, {"columns": list(columns.units.items()), "bodies": []})
 
 
 def _positions_in(folder: Path) -> NDArray[np.float64] | None:

@@ -57,6 +57,12 @@ class Tradeoff(Record):
             raise ValueError("nothing is recommended")
         return self._scene.set(dict(recommendation["settings"]))
 
+    def plot(self, ax: Any = None, **options: Any) -> Any:
+        """The work-precision diagram by matplotlib, error against cost; returns the axes."""
+        from tomlin._plots import plot_tradeoff
+
+        return plot_tradeoff(self, ax, **options)
+
     def to_pandas(self) -> Any:
         """The points as a DataFrame. Needs pandas."""
         import pandas
@@ -78,17 +84,11 @@ class Comparison(Record):
         driver."""
         return self._curves
 
-    def plot(self, ax: Any = None) -> Any:
+    def plot(self, ax: Any = None, **options: Any) -> Any:
         """The forces of the drivers over their displacement, by matplotlib; returns the axes."""
-        from tomlin._plots import label, new_axes
+        from tomlin._plots import plot_comparison
 
-        ax = new_axes(ax)
-        for model, (way, force) in zip(self["models"], self._curves):
-            ax.plot(way, force, label=model.get("name") or model.get("file"))
-        ax.set_xlabel(label("position", "length", self._axes))
-        ax.set_ylabel(label("force", "force", self._axes))
-        ax.legend()
-        return ax
+        return plot_comparison(self, ax, **options)
 
     def _repr_html_(self) -> str:
         return table_html({one.get("name") or one.get("file"): f"{one.value} {one.verdict}"

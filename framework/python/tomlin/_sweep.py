@@ -138,8 +138,8 @@ class Sweep(Mapping[str, Any]):
     def plot(self, y: str | None = None, x: str | None = None, ax: Any = None, **options: Any) -> Any:
         """Draws an observable over an axis by matplotlib, a curve for each combination of the
         others, and returns the axes. By default the first observable over the last axis, which is
-        logarithmic where its values are spaced so. Needs matplotlib; raises `QuantityError`
-        for names that the sweep has not."""
+        logarithmic where its values are spaced so. Errors that the sweep has are bars. Needs
+        matplotlib; raises `QuantityError` for names that the sweep has not."""
         from tomlin._plots import plot_sweep
 
         return plot_sweep(self, y, x, ax, **options)

@@ -26,7 +26,9 @@ TEST_F(CompareCommand, NamesTheSimplestModelAndLeavesItsFiles) {
   EXPECT_EQ(found["models"][0]["difference"], 0.0);
   EXPECT_TRUE(file("compare.out/compare.csv").starts_with("model,file,verdict,particles,"));
   EXPECT_EQ(lines(file("compare.out/compare.csv")), 3);
-  EXPECT_TRUE(contains(file("compare.out/compare.svg"), "<svg"));
+  const std::string curves = file("compare.out/curves.csv");
+  EXPECT_TRUE(curves.starts_with("model,name,displacement [length],force [force]\n0,\"a tip\","));
+  EXPECT_TRUE(contains(curves, "\n1,\"a tip\","));
 
   EXPECT_EQ(tomlin({"compare", "tip.toml", "other.toml", "--observable", kForce}).status, 2);
   EXPECT_EQ(tomlin({"compare", "tip.toml", "other.toml", "--observable", kForce, "--force"}).status,

@@ -140,33 +140,5 @@ integrator = { type = "velocity_verlet", dt = 1.0 }
   expect_parts(tomlin({"run", "scene.toml"}).err, {"times are in ps, and 1 fs is 1e-3"});
 }
 
-TEST_F(Hints, FiguresOfTwoBodies) {
-  const std::string scene = R"([[body]]
-name = "a"
-type = "point"
-position = [0.0, 0.0]
-particle_mass = 1.0
-[[body]]
-name = "b"
-type = "point"
-position = [5.0, 0.0]
-particle_mass = 1.0
-[[force]]
-type = "constant_force"
-body = "a"
-force = [1.0, 0.5]
-[run]
-duration = 1.0
-integrator = { type = "rk4", dt = 0.1 }
-[output]
-every = 0.1
-)";
-  write(folder_ / "two.toml", scene);
-  ASSERT_EQ(tomlin({"run", "two.toml"}).status, 0);
-  const std::string text = refused({"plot", "two.out", "path", "-o", "path.svg"});
-  expect_parts(text, {"several bodies have a column centre_of_mass."});
-  EXPECT_FALSE(contains(text, "*.")) << text;
-}
-
 }  // namespace
 }  // namespace tomlin::test

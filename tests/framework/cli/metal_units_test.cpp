@@ -69,25 +69,12 @@ trajectory = true
 class MetalUnits : public Cli {
  protected:
   void SetUp() override { write(folder_ / "dimer.toml", kDimer); }
-  void TearDown() override { ::unsetenv("TOMLIN_GNUPLOT"); }
 
   void run_dimer(const std::string& folder, const std::vector<std::string>& more = {}) {
     std::vector<std::string> arguments = {"run", "dimer.toml", "-o", folder, "--quiet"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const Ended ended = tomlin(arguments);
     ASSERT_EQ(ended.status, 0) << ended.err;
-  }
-
-  /// The script that gnuplot would get.
-  std::string script(std::vector<std::string> arguments) {
-    write(folder_ / "program", "#!/bin/sh\ncat");
-    fs::permissions(folder_ / "program", fs::perms::owner_all);
-    ::setenv("TOMLIN_GNUPLOT", (folder_ / "program").c_str(), 1);
-    arguments.insert(arguments.begin(), "plot");
-    arguments.insert(arguments.end(), {"-o", "script.svg"});
-    const Ended ended = tomlin(arguments);
-    EXPECT_EQ(ended.status, 0) << ended.err;
-    return ended.status == 0 ? file("script.svg") : "";
   }
 };
 
@@ -188,27 +175,6 @@ TEST_F(MetalUnits, SweptTemperaturesAreInKelvin) {
     EXPECT_LT(found, 1.5 * expected + 30.0);
     at = table.find('\n', at) + 1;
   }
-  const std::string label = script({"sweep", "--y", "dimer.temperature"});
-  EXPECT_TRUE(contains(label, "/ K")) << label;
-}
-
-TEST_F(MetalUnits, StandOnAxes) {
-  run_dimer("out");
-  const std::string force = script({"out"});
-  EXPECT_TRUE(contains(force, "/ (eV/\xC3\x85)")) << force;
-  EXPECT_TRUE(contains(force, "/ \xC3\x85")) << force;
-  // Several curves' axis is called by their dimension.
-  const std::string two =
-      script({"out", "--x", "time", "--y", "dimer.centre_of_mass.x,driver.position.x"});
-  EXPECT_TRUE(contains(two, "length / \xC3\x85")) << two;
-  EXPECT_TRUE(contains(two, "/ ps")) << two;
-  const std::string result = script({"out", "--result", "dimer.temperature", "--against", "T"});
-  EXPECT_TRUE(contains(result, "temperature / K")) << result;
-  // Two systems have no axis in common.
-  write(folder_ / "tip.toml", kTip);
-  ASSERT_EQ(tomlin({"run", "tip.toml", "-o", "tip", "--quiet"}).status, 0);
-  EXPECT_EQ(tomlin({"plot", "out", "tip", "-o", "both.svg"}).status, 2);
-  EXPECT_EQ(tomlin({"plot", "tip", "out", "-o", "both.svg"}).status, 2);
 }
 
 TEST_F(MetalUnits, AreNamedWhereTheyAreUnknown) {

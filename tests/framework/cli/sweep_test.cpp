@@ -564,8 +564,6 @@ TEST_F(SweepCommand, IsRefined) {
   std::vector<std::string> other = with({"-o", "a"});
   other[5] = "driver.mean_force.x=1.1";
   expect_error(sweep(other), "[resume.other_scene]");
-  const Ended plot = tomlin({"plot", "a", "--value", "driver.mean_force.x", "-o", "a.svg"});
-  expect_error(plot, "[command.conflict]");
 
   const Ended dry = sweep(with({"-o", "dry", "--dry-run"}));
   EXPECT_TRUE(contains(dry.out, "adds up to 144 points")) << dry.out;

@@ -50,27 +50,13 @@ TEST_F(TradeoffCommand, RecommendsLinesThatRunAsMeasured) {
   EXPECT_GE(again["time"]["force_evaluations"], chosen["force_evaluations"]);
 }
 
-TEST_F(TradeoffCommand, LeavesATableAndAFigure) {
+TEST_F(TradeoffCommand, LeavesATable) {
   const Ended ended = tomlin(words({"-o", "out"}));
   ASSERT_EQ(ended.status, 0) << ended.err;
   const std::string csv = file("out/tradeoff.csv");
   EXPECT_TRUE(csv.starts_with("rung,dt [time],tolerance,value,error,relative error,"));
   EXPECT_EQ(lines(csv), static_cast<std::ptrdiff_t>(result("out")["points"].size()) + 1);
-  const std::string figure = file("out/tradeoff.svg");
-  for (const char* part : {"<svg", "rk4", "recommended", "tolerance 0.0001",
-                           "relative error of drivers.driver.mean_force.x"}) {
-    EXPECT_TRUE(contains(figure, part)) << part;
-  }
   for (const std::string& name : all_files()) EXPECT_FALSE(contains(name, ".part")) << name;
-}
-
-TEST_F(TradeoffCommand, WithoutGnuplotThereIsNoFigure) {
-  const Ended ended =
-      tomlin(words({"-o", "out"}), {.environment = {"TOMLIN_GNUPLOT=/nowhere/gnuplot"}});
-  EXPECT_EQ(ended.status, 0);
-  EXPECT_TRUE(contains(ended.err, "note: no figure: "));
-  EXPECT_TRUE(exists("out/tradeoff.csv"));
-  EXPECT_FALSE(exists("out/tradeoff.svg"));
 }
 
 TEST_F(TradeoffCommand, DoesNotWriteOverAnything) {

@@ -199,9 +199,6 @@ TEST_F(Edges, WhereResultsCannotBeWrittenIsFoundAtOnce) {
   EXPECT_EQ(write.status, 2);
   EXPECT_EQ(abridged(write.err), "--write: none/scene.toml [file.cannot_write]\n") << write.err;
   EXPECT_FALSE(exists("other"));
-  const Ended plot = tomlin({"plot", "out", "-o", "none/a.svg"});
-  EXPECT_EQ(plot.status, 2);
-  EXPECT_EQ(abridged(plot.err), "-o: none/a.svg [file.cannot_write]\n") << plot.err;
 }
 
 // ---- before and after the run proper
