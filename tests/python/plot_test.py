@@ -1102,6 +1102,8 @@ def test_the_program_draws_the_same(program, plot, two, tmp_path):
     done = drawn(str(tmp_path / "bin" / "tomlin"), "one", "-o", "c.svg")
     assert done.returncode == 2 and "python3-matplotlib" in done.stderr
     assert done.stderr.endswith("[plot.no_matplotlib]\n")
+    done = drawn(str(tmp_path / "bin" / "tomlin"), "--help")
+    assert (done.returncode, done.stderr) == (0, "") and "tomlin-plot: No such file" in done.stdout
 
 
 def test_exit_status(plot, two, tmp_path):
