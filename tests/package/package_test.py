@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""The Debian package of the program: what is in it, that the program runs out of it, and that it
-can be installed and run in a bare system.
+"""The Debian packages of the program and of its Python module: what is in them, that the program runs
+and draws out of them, and that they can be installed and run in a bare system.
 
 usage: package_test.py BUILD_FOLDER [--bare-system]
 
-Without --bare-system the package is unpacked and its program run. With it a bare Debian 12 is made
+Without --bare-system the packages are unpacked and the program run. With it a bare Debian 12 is made
 by debootstrap, which takes root, a network and minutes: exit status 77, skipped, where that is not
 possible.
 """
@@ -32,12 +32,24 @@ def skip(why):
     sys.exit(SKIPPED)
 
 
-def package_of(build, folder):
+def packages_of(build, folder):
+    """The package of the program, and that of the module where it is built."""
+    names = {"program": "tomlin"}
+    if (build / "python" / "tomlin-plot").exists():
+        names["python"] = "python3-tomlin"
     output_of("cpack", "--config", str(build / "CPackConfig.cmake"), "-B", str(folder),
-              "-D", "CPACK_COMPONENTS_ALL=program", cwd=build)
-    found = list(folder.glob("tomlin_*.deb"))
-    assert len(found) == 1, found
-    return found[0]
+              "-D", f"CPACK_COMPONENTS_ALL={';'.join(names)}", cwd=build)
+    packages = []
+    for name in names.values():
+        found = list(folder.glob(f"{name}_*.deb"))
+        assert len(found) == 1, found
+        packages += found
+    return packages
+
+
+def contents_of(package):
+    return {line.split(maxsplit=5)[5] for line in
+            output_of("dpkg-deb", "--contents", package).splitlines()}
 
 
 def check_contents(package):
@@ -45,8 +57,8 @@ def check_contents(package):
     depends = output_of("dpkg-deb", "--field", package, "Depends")
     for library in ("libc6", "libstdc++6", "libhdf5"):
         assert library in depends, depends
-    names = {line.split(maxsplit=5)[5] for line in
-             output_of("dpkg-deb", "--contents", package).splitlines()}
+    assert "python3-tomlin" in output_of("dpkg-deb", "--field", package, "Recommends")
+    names = contents_of(package)
     for name in ("./usr/bin/tomlin", "./usr/share/doc/tomlin/README.md",
                  "./usr/share/doc/tomlin/LICENSE", "./usr/share/doc/tomlin/framework/USER_GUIDE.md",
                  "./usr/share/doc/tomlin/framework/guide/recipes.md",
@@ -56,7 +68,19 @@ def check_contents(package):
     assert not strays, strays
 
 
-def check_run(root):
+def check_module(package):
+    depends = output_of("dpkg-deb", "--field", package, "Depends")
+    for needed in ("tomlin (=", "python3-numpy"):
+        assert needed in depends, depends
+    assert "python3-matplotlib" in output_of("dpkg-deb", "--field", package, "Recommends")
+    names = contents_of(package)
+    for name in ("tomlin-plot", "tomlin/__init__.py", "tomlin/_plots/draw.py", "tomlin/py.typed"):
+        assert f"./usr/lib/tomlin/python/{name}" in names, name
+    strays = [name for name in names if name.endswith(("/", ".pyc")) and "__pycache__" in name]
+    assert not strays, strays
+
+
+def check_run(root, draws):
     """Runs the program of an unpacked package, without anything of this environment."""
     with tempfile.TemporaryDirectory() as folder:
         program = str(root / "usr/bin/tomlin")
@@ -64,6 +88,9 @@ def check_run(root):
         output_of(program, "new", "pt", cwd=folder, env=environment)
         output_of(program, "run", "pt.toml", "-o", "out", cwd=folder, env=environment)
         assert '"status": "finished"' in (Path(folder) / "out/summary.json").read_text()
+        if draws:
+            output_of(program, "plot", "out", "-o", "force.svg", cwd=folder, env=environment)
+            assert (Path(folder) / "force.svg").read_text().startswith("<?xml ")
 
 
 def make_bare_system(suite, folder):
@@ -79,14 +106,18 @@ def make_bare_system(suite, folder):
     return root
 
 
-def check_bare_system(package, folder):
+def check_bare_system(packages, folder):
     root = make_bare_system(SUITE, folder)
-    shutil.copy(package, root / "tmp")
+    for package in packages:
+        shutil.copy(package, root / "tmp")
+    figures = len(packages) > 1
     output_of("chroot", str(root), "apt-get", "install", "-y", "--no-install-recommends",
-              f"/tmp/{package.name}")
+              *(f"/tmp/{package.name}" for package in packages),
+              *(["python3-matplotlib"] if figures else []))
     output_of("chroot", str(root), "sh", "-ec",
               "cd /tmp && tomlin new pt && tomlin run pt.toml -o out && "
-              "grep -q '\"status\": \"finished\"' out/summary.json")
+              "grep -q '\"status\": \"finished\"' out/summary.json" +
+              (" && tomlin plot out -o force.svg" if figures else ""))
 
 
 def main():
@@ -96,14 +127,17 @@ def main():
     if not (build / "CPackConfig.cmake").exists():
         skip("tomlin is built as a part of another project")
     with tempfile.TemporaryDirectory() as folder:
-        package = package_of(build, Path(folder))
+        packages = packages_of(build, Path(folder))
         if sys.argv[2:] == ["--bare-system"]:
-            check_bare_system(package, Path(folder))
+            check_bare_system(packages, Path(folder))
             return
-        check_contents(package)
+        check_contents(packages[0])
+        for module in packages[1:]:
+            check_module(module)
         root = Path(folder) / "unpacked"
-        output_of("dpkg-deb", "--extract", str(package), str(root))
-        check_run(root)
+        for package in packages:
+            output_of("dpkg-deb", "--extract", str(package), str(root))
+        check_run(root, draws=len(packages) > 1)
 
 
 if __name__ == "__main__":

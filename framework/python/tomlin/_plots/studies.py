@@ -48,7 +48,7 @@ def tradeoff_figure(tradeoff: Mapping[str, Any]) -> Figure:
         colour = colours.setdefault(scheme, len(colours))
         doubles = not number_type
         panel.curves.append(Curve(x, y, str(method), colour, line=doubles,
-                                  mark="o" if doubles else "s", mark_size=2.7 if doubles else 4.2))
+                                  mark="o" if doubles else "s", mark_size=2.7 if doubles else 5.5))
     for level, label, dashed in ((tolerance, f"tolerance {tolerance:g}", True),
                                  (reference["error"] / unit, "error of the reference", False)):
         if y_range[0] <= level <= y_range[1]:
@@ -57,7 +57,7 @@ def tradeoff_figure(tradeoff: Mapping[str, Any]) -> Figure:
     if tradeoff["recommendation"]:
         at = position(tradeoff["recommendation"])
         panel.curves.append(Curve(np.array(at[:1]), np.array(at[1:]), "recommended", 1, line=False,
-                                  mark="^", mark_size=6.6))
+                                  mark="^", mark_size=9.5))
     return Figure("force evaluations and Jacobian columns", [panel], x_range, True, True)
 
 
