@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <charconv>
+#include <cstdint>
 #include <optional>
 #include <utility>
 
@@ -10,6 +11,7 @@
 // NDEBUG and with no assertions nothing is assumed either, and the error is reached.
 #undef NDEBUG
 #define TOML_ASSERT(expression) static_cast<void>(0)
+#include <fmt/format.h>
 #include <toml++/toml.h>
 
 #include "framework/core/text/ascii.hpp"
@@ -58,6 +60,19 @@ class Cursor {
   std::size_t next_ = 0;
   TextPlace mark_{1, 1};
 };
+
+/// The first character of UTF-8 text that begins beyond ASCII.
+std::uint32_t code_point(std::string_view text) {
+  const auto first = static_cast<unsigned char>(text.front());
+  std::uint32_t point = first >= 0xF0U   ? first & 0x07U
+                        : first >= 0xE0U ? first & 0x0FU
+                                         : first & 0x1FU;
+  for (const char c : text.substr(1)) {
+    if (!is_utf8_continuation(c)) break;
+    point = point << 6U | (static_cast<unsigned char>(c) & 0x3FU);
+  }
+  return point;
+}
 
 void refuse_other_encodings(std::string_view text, const std::string& file) {
   const std::size_t valid = valid_utf8_prefix(text);
@@ -133,7 +148,10 @@ class Outline {
   void look_at(char c) {
     // Strict TOML has other alphabets in strings and comments only.
     if (!is_ascii(c)) {
-      throw InputError({explain_character(cursor_.rest(), file_, cursor_.mark())});
+      stop(FaultCode::scene_syntax, file_, cursor_.mark(),
+           fmt::format("the character U+{:04X} outside of strings and comments",
+                       code_point(cursor_.rest())),
+           "letters a to z, digits, plain quotes, hyphens and spaces; any text in quotes");
     }
     bool begins_value = true;
     switch (c) {

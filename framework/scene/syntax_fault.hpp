@@ -8,14 +8,9 @@
 
 namespace tomlin {
 
-/// What is wrong with text that is no TOML, in the words of a scene: the TOML library stopped at
-/// `at` with `message`. The fault stands where the mistake was made (at the quote that is not
-/// closed, not at the end of its line), and says how the line would be right.
+/// The fault of a text that is no TOML: the TOML library stopped at `at` with `message`. The fault has
+/// the library's sentence, the line as its value, and what would be right where the text shows it.
 Fault explain_syntax(std::string_view text, const std::string& file, const TextPlace& at,
                      std::string_view message);
-
-/// What is wrong with a character beyond ASCII, the first of `rest`, outside of strings and
-/// comments.
-Fault explain_character(std::string_view rest, const std::string& file, const TextPlace& at);
 
 }  // namespace tomlin

@@ -37,6 +37,19 @@ std::string with_short_words(std::string text) {
   return text;
 }
 
+/// The line of a fault without a key, with a caret below the column; empty where it has none.
+std::string marked_line(const Fault& fault) {
+  if (!fault.key.empty() || fault.value.empty() || fault.place.column < 1) return "";
+  std::string blanks;
+  int column = 1;
+  for (const char c : fault.value) {
+    if (is_utf8_continuation(c)) continue;
+    if (column++ == fault.place.column) break;
+    blanks += c == '\t' ? '\t' : ' ';
+  }
+  return fmt::format("\n  {}\n  {}^", fault.value, blanks);
+}
+
 }  // namespace
 
 std::string to_string(const Fault& fault) {
@@ -54,7 +67,7 @@ std::string to_string(const Fault& fault) {
   if (!fault.admissible.empty()) text += "; expected: " + fault.admissible;
   if (!fault.nearest.empty()) text += "; did you mean \"" + fault.nearest + "\"?";
   text += fmt::format(" [{}]", id_of(fault.code));
-  return with_short_words(std::move(text));
+  return with_short_words(std::move(text)) + marked_line(fault);
 }
 
 InputError::InputError(std::vector<Fault> faults)

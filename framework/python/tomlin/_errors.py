@@ -25,7 +25,7 @@ class Fault:
     line: int  #: from 1; 0: unknown
     column: int  #: from 1; 0: unknown
     key: str  #: dotted path, "force.driver.stiffness"
-    value: str  #: as it was written; empty: there is none
+    value: str  #: as it was written, of a file that is no TOML the line; empty: there is none
     message: str  #: what is wrong
     admissible: str  #: what would be right; empty when obvious
     nearest: str  #: nearest valid name; empty when there is none

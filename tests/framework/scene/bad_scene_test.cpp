@@ -259,7 +259,10 @@ TEST(BadScene, WrongTypesOfValues) {
        "[[output]]\nevery = 1.0",
        {"33:1 output [scene.wrong_type]"}},
       {kRing, "[[body]]", "[body]", {"8:1 body [scene.wrong_type]"}},
-      {kRing, "[scene]\nname = \"a ring\"", "body = 1\n", {"8:1 body [scene.duplicate_key]"}},
+      {kRing,
+       "[scene]\nname = \"a ring\"",
+       "body = 1\n",
+       {"8:1  = [[body]] [scene.duplicate_key]"}},
   });
 }
 
@@ -588,9 +591,9 @@ TEST(BadScene, ForcesOfABodyWithAnUnfitNameAreNotBlamed) {
 
 TEST(BadScene, SyntaxErrorStandsAlone) {
   EXPECT_EQ(briefs_of(replaced("radius = \"R\"", "radius = \"R\nN = -1")),
-            Lines{"12:10 radius = \"R [scene.syntax]"});
-  EXPECT_EQ(briefs_of("[run]\nduration = = 3\n"), Lines{"2:12 duration [scene.syntax]"});
-  EXPECT_EQ(briefs_of("[run]\na = 1\na = 2\n"), Lines{"3:1 a [scene.duplicate_key]"});
+            Lines{"12:12  = radius = \"R [scene.syntax]"});
+  EXPECT_EQ(briefs_of("[run]\nduration = = 3\n"), Lines{"2:12  = duration = = 3 [scene.syntax]"});
+  EXPECT_EQ(briefs_of("[run]\na = 1\na = 2\n"), Lines{"3:5  = a = 2 [scene.duplicate_key]"});
 }
 
 }  // namespace
