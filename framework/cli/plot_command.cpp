@@ -43,7 +43,7 @@ void check(PlotArguments& arguments) { arguments.words = arguments.parser->remai
 
 [[noreturn]] void refuse(const std::string& why) {
   throw InputError(
-      {Fault(FaultCode::plot_no_gnuplot, {"tomlin"}, "", "", "figures are drawn in Python: " + why,
+      {Fault(FaultCode::plot_no_matplotlib, {"tomlin"}, "", "", "figures are drawn in Python: " + why,
              "the Python module of tomlin (./dev python), with NumPy and matplotlib "
              "(Debian: python3-numpy, python3-matplotlib)")});
 }
