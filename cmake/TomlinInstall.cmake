@@ -24,7 +24,7 @@ if(TARGET tomlin_kim)
   install(TARGETS tomlin_kim LIBRARY DESTINATION lib/tomlin COMPONENT kim)
 endif()
 if(TARGET tomlin_python)
-  install(DIRECTORY ${CMAKE_BINARY_DIR}/python DESTINATION lib/tomlin COMPONENT python
+  install(DIRECTORY ${CMAKE_BINARY_DIR}/python DESTINATION lib/tomlin COMPONENT python OPTIONAL
           USE_SOURCE_PERMISSIONS PATTERN __pycache__ EXCLUDE)
 endif()
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME development)
