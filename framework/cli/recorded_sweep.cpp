@@ -16,7 +16,7 @@ RecordedSweep record_sweep(RunFolder& folder, SweepPlan& plan, const RecordedSwe
   recorded.shard = asked.shard;
   folder.require_in_place();
   SweepJournal journal(folder.file(kSweepJournalFile), plan);
-  // Where one of them is, it belongs to all rows.
+  // A table or arrays that the folder holds were made from all rows.
   const bool had_all = holds_all_results(folder);
   bool is_over = true;
   for (std::size_t k = 0; k < plan.points() && is_over; ++k) is_over = journal.has(k);

@@ -342,7 +342,7 @@ bool is_stream(const SweepAxis& axis) {
   return std::adjacent_find(values.begin(), values.end()) == values.end();
 }
 
-/// What the scene and the options come to.
+/// The sweep that the scene and the options describe.
 struct RequestedSweep {
   /// Throws InputError.
   explicit RequestedSweep(const SweepArguments& arguments)

@@ -16,8 +16,8 @@
 #include "framework/scene/scene.hpp"
 #include "framework/scene/scene_document.hpp"
 
-/// What the extension module `tomlin._core` hands to Python. The package in tomlin/ wraps it: there
-/// are names, defaults, documentation and everything that needs no C++.
+/// The extension module `tomlin._core`. The Python package in tomlin/ wraps it and adds names,
+/// defaults, documentation and everything that needs no C++.
 namespace tomlin::python {
 
 namespace py = pybind11;
@@ -73,8 +73,8 @@ struct RunHandle {
   MemorySink kept;  ///< of a run without a folder
 };
 
-/// Where the interpreter is about to end, its lock is not to be had in a thread that it does not
-/// wait for: the thread ends here, and the process a little later.
+/// Blocks for ever in a thread other than the main one if the interpreter is about to end: such a
+/// thread can no longer acquire the interpreter's lock, and the process ends a little later.
 void wait_for_ever_if_interpreter_ends();
 
 /// The interpreter's lock is released while this lives.
@@ -95,8 +95,8 @@ class Unlocked {
 
 bool is_main_thread();
 
-/// What a call shows to Python while it runs; holds the interpreter's lock for as long as that
-/// takes. In the main thread, handlers of signals that Python has are called then as well. An
+/// Reports the progress of a call to a Python function; holds the interpreter's lock for as long as
+/// that takes. In the main thread, Python's handlers of signals are called then as well. An
 /// exception of either asks the run to stop, and is thrown by rethrow().
 class ProgressCall {
  public:

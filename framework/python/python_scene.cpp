@@ -44,7 +44,7 @@ SceneHandle read(std::shared_ptr<const SceneDocument> document,
 SceneHandle with_settings(const SceneHandle& from, const Settings& settings) {
   SceneHandle handle = from;
   for (const auto& [path, value] : settings) {
-    // The same as without the earlier value of that name, which would be refused beside it.
+    // An earlier value of that name is removed: two values of one name would be refused.
     std::erase_if(handle.settings, [&name = path](const Setting& one) { return one.path == name; });
     handle.settings.push_back({path, value});
   }

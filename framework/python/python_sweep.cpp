@@ -40,7 +40,7 @@
 namespace tomlin::python {
 namespace {
 
-/// What was asked for, as tomlin/_sweep.py gives it; texts are those of the options of the program.
+/// The sweep that tomlin/_sweep.py requests; texts are those of the options of the program.
 struct SweepRequest {
   /// Values are a text, "1:5:9", or a list of texts.
   using Values = std::variant<std::string, std::vector<std::string>>;

@@ -276,7 +276,7 @@ def test_executors_of_others(package, tmp_path):
                                                     "OMPI_ALLOW_RUN_AS_ROOT": "1",
                                                     "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"})
     assert done.returncode == 0, done.stderr
-    # As the same page sweeps it by the program.
+    # On the same page the program runs this sweep.
     tomlin.sweep(tomlin.load("scenarios/prandtl_tomlinson/stick_slip.toml"),
                  {"s": "0.5:5:4", "v": "1e-2:1e-1:3:log"}, [FORCE, "events.slips"],
                  folder=tmp_path / "threads")

@@ -26,7 +26,7 @@ namespace {
 
 constexpr std::size_t kElementsAtOnce = 4096;
 
-/// Of as many characters as it needs.
+/// Returns the type of UTF-8 strings of variable length.
 Hdf5Handle string_type(const Hdf5File& file) {
   Hdf5Handle type = file.hold(H5Tcopy(H5T_C_S1));
   file.check(H5Tset_size(type, H5T_VARIABLE));
@@ -202,7 +202,7 @@ class SweepArrays {
     }
   }
 
-  /// Those of its dimension.
+  /// Writes the values of an axis, one for each index of its dimension.
   void write_values(const Hdf5Handle& into, std::size_t axis) const {
     write_values(into, axis, plan_.axes()[axis].values.size(),
                  [this, axis](std::size_t k) { return k * plan_.stride(axis); });
@@ -237,7 +237,7 @@ class SweepArrays {
     }
   }
 
-  /// Of the next dimension.
+  /// Adds the scale of the next dimension.
   void add_scale(const std::string& name, hid_t type) {
     const auto number = static_cast<std::int32_t>(scales_.size());
     Hdf5Handle scale = dataset(name, type, simple({shape_[scales_.size()]}));

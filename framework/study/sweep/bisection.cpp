@@ -8,7 +8,7 @@
 namespace tomlin {
 namespace {
 
-/// Of the difference that a jump keeps however narrow its interval is.
+/// A jump keeps this fraction of its difference however narrow its interval is.
 constexpr double kJumpKeeps = 0.5;
 
 double difference_of(const Bisection::End& one, const Bisection::End& other) {
@@ -93,7 +93,7 @@ void SweepBisection::begin_in_line(std::size_t first) {
   bisections_.push_back(nothing);
 }
 
-/// As far as there are rows.
+/// Continues a bisection as far as there are rows.
 void SweepBisection::go_on(Bisection& bisection) {
   const SweepRefinement& refinement = *plan_.refinement();
   auto& [low, high] = bisection.ends;

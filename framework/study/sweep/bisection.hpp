@@ -11,7 +11,7 @@
 
 namespace tomlin {
 
-/// What has come of bisection between two neighbours, or of the search for them in a line.
+/// Outcome of a bisection between two neighbours, or of the search for them in a line.
 enum class BisectionStatus {
   found,   ///< an interval as narrow as it was to be
   smooth,  ///< the difference fell below half of what it was: there is no jump
@@ -52,7 +52,7 @@ struct Bisection {
 /// the largest difference, and that half of it which has the larger one.
 class SweepBisection {
  public:
-  /// Of a plan with a refinement. Both must outlive it.
+  /// The plan must have a refinement. Plan and journal must outlive the object.
   SweepBisection(SweepPlan& plan, const SweepJournal& journal) : plan_(plan), journal_(journal) {}
 
   /// Once all points so far have a row. False: none are missing, and all bisections have ended.

@@ -16,7 +16,7 @@
 /// A file appears complete or not at all.
 namespace tomlin {
 
-/// What the rows come to.
+/// Counts of the rows of a sweep, or of a part of it, and of their warnings.
 struct SweepCounts {
   struct Warned {
     std::size_t points = 0;
@@ -36,7 +36,7 @@ struct SweepCounts {
   std::size_t of(SweepStatus status) const { return by_status[static_cast<std::size_t>(status)]; }
 };
 
-/// Of a part, all of whose points have a row. Throws DamagedFile.
+/// Counts the rows of a part, all of whose points must have a row. Throws DamagedFile.
 SweepCounts count_rows(const SweepPlan& plan, const SweepJournal& journal, SweepPart part = {});
 
 /// Comma-separated values: a row per point in the order of the axes with the values of the axes,

@@ -187,7 +187,7 @@ void SweepJournal::complete(SweepStatus status) {
 
 bool SweepJournal::decode(std::size_t point, std::span<const std::byte> record,
                           SweepRow& row) const {
-  // Where nothing was written there are zeros.
+  // A record that was never written is read as zeros.
   const auto head = record.first(kRecordHead);
   if (std::all_of(head.begin(), head.end(), [](std::byte b) { return b == std::byte{0}; })) {
     return false;

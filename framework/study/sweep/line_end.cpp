@@ -86,7 +86,7 @@ LineEnd::LineEnd(const SweepPlan& plan, std::size_t first, std::size_t most,
     next_ = next;
     state_ = std::move(state);
   } catch (const DamagedFile&) {
-    // As good as none.
+    // A damaged state is treated like a missing one.
   }
 }
 

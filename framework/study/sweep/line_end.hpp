@@ -10,7 +10,7 @@
 
 namespace tomlin {
 
-/// Of a file, NUMBER.line, with the number of the line's first point.
+/// Suffix of the file of a line: NUMBER.line, with the number of the line's first point.
 inline constexpr const char* kLineEndSuffix = ".line";
 
 /// How far the points of a line have come, each of which starts where the one before it has ended:
@@ -18,7 +18,7 @@ inline constexpr const char* kLineEndSuffix = ".line";
 /// as long as checkpoints are apart, and when the sweep is stopped; what is lost is computed again.
 class LineEnd {
  public:
-  /// Of the line that begins with the point `first` and is to go on before or at `most`. Without a
+  /// The line begins with the point `first` and resumes at the point `most` or before it. Without a
   /// folder nothing is written.
   LineEnd(const SweepPlan& plan, std::size_t first, std::size_t most,
           const std::filesystem::path& folder);
@@ -30,9 +30,9 @@ class LineEnd {
 
   /// The next point has ended so; a state that is not known: it has not finished.
   void pass(FinalState state);
-  /// Of a line that is stopped.
+  /// Writes the file; called when the line is stopped.
   void write();
-  /// Of a line that ends.
+  /// Removes the file; called when the line ends.
   void remove();
 
  private:

@@ -109,7 +109,7 @@ void SweepPlan::find_points(std::vector<Fault>& faults) {
   if (refinement_) added_.assign(points_ * refinement_->rounds, kNoPoint);
 }
 
-/// What is wrong without the axes and at the first points as well is wrong with the scene itself.
+/// A fault that occurs without the axes and at the first points as well is one of the scene itself.
 void SweepPlan::find_scene(std::vector<Fault>& faults) {
   std::vector<Fault> always;
   std::vector<Fault> of_first;
@@ -171,7 +171,7 @@ std::shared_ptr<const Scene> SweepPlan::scene_at(std::size_t point, EffectiveTex
   return document_.read(registry_, all_settings_at(point), text);
 }
 
-/// What is wrong with setting n of these, whatever else the scene says.
+/// Returns a fault of setting n that does not depend on the rest of the scene, if there is one.
 std::optional<Fault> SweepPlan::fault_of(const std::vector<Setting>& settings,
                                          std::size_t n) const {
   try {
@@ -226,8 +226,8 @@ void SweepPlan::check_axis(std::size_t index, std::vector<Fault>& faults) {
   }
 }
 
-/// What there is to observe is known when a scene is bound: that of names and texts, or that of a
-/// point where it is refused.
+/// Observables are known once a scene is bound: scene(), which gives the sweep its name and text,
+/// or, where binding it is refused, the scene of the first point that is accepted.
 void SweepPlan::find_observables(std::vector<Fault>& faults) {
   std::optional<RunResult> result;
   std::optional<InputError> refused;

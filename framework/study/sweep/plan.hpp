@@ -77,11 +77,11 @@ class SweepPlan {
   const std::vector<std::string>& paths() const { return paths_; }
   const std::string& program_version() const { return program_version_; }
 
-  /// Of all dimensions together.
+  /// Number of points of all dimensions together.
   std::size_t points() const { return points_; }
-  /// Where points are added to them.
+  /// The refinement that adds points to those of the dimensions, if there is one.
   const std::optional<SweepRefinement>& refinement() const { return refinement_; }
-  /// Of the observable that decides where: index into columns().
+  /// Index into columns() of the observable that decides where points are added.
   std::size_t refined_column() const { return refined_column_; }
   /// Numbers that a point can have: those of the dimensions, then one for each round between each
   /// of these and the next one along the refined axis, whether there is such a point or not.
@@ -106,30 +106,30 @@ class SweepPlan {
   std::size_t line() const {
     return sweep_.continues && !dimensions_.empty() ? dimensions_.back().count : 1;
   }
-  /// Which of its values an axis has at a point; the refined one has none of them at points that
-  /// were added.
+  /// Index of the value that an axis has at a point. At added points the refined axis has none of
+  /// its values.
   std::size_t index(std::size_t axis, std::size_t point) const;
   /// Its value there, as SweepValues has it.
   double number(std::size_t axis, std::size_t point) const;
   std::string text(std::size_t axis, std::size_t point) const;
-  /// What differs from the scene at a point.
+  /// The settings by which a point differs from the scene.
   std::vector<Setting> settings_at(std::size_t point) const;
   /// Throws InputError where the point is refused.
   std::shared_ptr<const Scene> scene_at(std::size_t point,
                                         EffectiveText text = EffectiveText::written) const;
 
-  /// Of the scene, or at the last point.
+  /// Whether the scene, or that of the last point, has noise.
   bool has_noise_somewhere() const;
-  /// The same of what depends on `[run] stream`.
+  /// Whether a run of the scene, or of the last point, depends on `[run] stream`.
   bool is_random_somewhere() const;
-  /// What an axis is called among the columns and the variables of the results: its name, unless
-  /// they have a column of that name.
+  /// Title of an axis among the columns and the variables of the results: its name, after
+  /// "parameters." where that name is taken.
   std::string axis_title(std::size_t axis) const;
   /// The scene with `[sweep]` as it was asked for: `tomlin sweep` of it is the same sweep.
   const std::string& scene_text() const { return scene_text_; }
   /// Texts of the files that axes name, or components that axes change, by their names.
   const std::map<std::string, std::string>& files() const { return files_; }
-  /// The same for the same program, scene, plugins, files, axes and observables, and for no other.
+  /// Identifies the program, scene, plugins, files, axes and observables: a checksum of them all.
   std::uint64_t identity() const { return identity_; }
 
  private:

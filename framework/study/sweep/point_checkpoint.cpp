@@ -10,7 +10,7 @@
 namespace tomlin {
 namespace {
 
-/// What the run itself is kept under; names of other runs are words.
+/// Name under which the run itself is kept; other runs have other names.
 constexpr const char* kRunOfPoint = "run";
 
 }  // namespace

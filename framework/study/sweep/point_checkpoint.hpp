@@ -12,21 +12,21 @@
 
 namespace tomlin {
 
-/// What the run of one point can be resumed from: its checkpoints, and what it keeps of the choice
+/// Stores what the run of one point resumes from: its checkpoints, and what it keeps of the choice
 /// of its integrator and of runs beside it. Nothing is written before the run has lasted as long as
 /// checkpoints are apart or is stopped, so that short points leave no file.
 class PointCheckpoint : public RunSink, public RunStore {
  public:
-  /// What is in the file is of use to the same owner only. `every`: seconds.
+  /// Only the owner that wrote the file can read its contents. `every` is in seconds.
   PointCheckpoint(std::filesystem::path file, std::string owner, double every);
 
-  /// Where an earlier process has got to; empty: nowhere.
+  /// The state that an earlier process has reached; empty if there is none.
   const std::vector<std::byte>& state() const { return state_; }
   /// For a run that was stopped.
   void write();
 
   static std::filesystem::path file_of(const std::filesystem::path& folder, std::size_t point);
-  /// Of a point that has a row, with what a kill has left unfinished of it.
+  /// Removes the file of a point that has a row, and what a kill has left unfinished of it.
   static void remove(const std::filesystem::path& file);
 
   void begin(const RunLayout& layout) override { (void)layout; }

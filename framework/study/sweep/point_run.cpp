@@ -79,7 +79,7 @@ auto PointRun::resumed(Act act) {
   return act(options);
 }
 
-/// What the scene refuses on the way, and observables that it does not have, make a row, too.
+/// Faults that are found on the way, such as a missing observable, make a row of a refused point.
 template <class Act>
 std::optional<SweepRow> PointRun::row_unless_refused(Act act) {
   try {

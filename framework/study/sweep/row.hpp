@@ -29,7 +29,7 @@ inline constexpr std::size_t kSweepStatuses = kWordTable<SweepStatus>.size();
 /// More than there are codes of diagnostics.
 inline constexpr std::size_t kMostWarningCodes = 128;
 
-/// What is kept of one point.
+/// The results that are kept of one point.
 struct SweepRow {
   SweepStatus status = SweepStatus::finished;
   std::vector<double> numbers;  ///< [column] of the plan; NaN where undefined
@@ -38,7 +38,7 @@ struct SweepRow {
   std::bitset<kMostWarningCodes> warnings;
 };
 
-/// Where rows are kept while a sweep goes on. Safe to call from several threads.
+/// Keeps rows while a sweep goes on. Safe to call from several threads.
 class SweepRows {
  public:
   virtual ~SweepRows() = default;

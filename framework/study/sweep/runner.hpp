@@ -33,7 +33,7 @@ class SweepQueue {
   std::size_t next_ = 0;
 };
 
-/// What has been done of a sweep in this process.
+/// Progress of a sweep in this process.
 struct SweepProgress {
   std::size_t points = 0;                             ///< of the part that is run
   std::size_t before = 0;                             ///< that had a row when it began
@@ -66,7 +66,7 @@ struct SweepOptions {
   RunPoints run_points = {};
 };
 
-/// What there is to do, after what has been done.
+/// Returns the progress with the points and rows that there are now, after what has been done.
 SweepProgress progress_before(const SweepPlan& plan, const SweepRows& rows,
                               const SweepOptions& options, const SweepProgress& so_far = {});
 

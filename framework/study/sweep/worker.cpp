@@ -42,7 +42,7 @@ bool SweepWorker::fetch() {
   return true;
 }
 
-/// What waits and fits, up to so many, and what is fetched until there are as many.
+/// Returns up to `most` waiting runs that fit the batch; fetches points until there are as many.
 SweepWorker::Runs SweepWorker::gather(const LaneBatch& batch, std::size_t most) {
   Runs found;
   const std::size_t most_waiting = std::min(kMostWaiting, options_.most_at_once);

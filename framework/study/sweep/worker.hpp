@@ -15,7 +15,7 @@
 
 namespace tomlin {
 
-/// Where points come from, one after the other, and where their rows go.
+/// Hands out points, one after the other, and takes their rows.
 class PointSource {
  public:
   virtual ~PointSource() = default;
