@@ -372,7 +372,7 @@ struct EmbeddedKernels {
   TOMLIN_INLINE static void put_stage_in_lanes(const SystemView<double>& s,
                                                const EmbeddedArrays<double>& w,
                                                const EmbeddedLanes& l) {
-    using Group = Packed<Real>;
+    constexpr bool ends = stage == kEnd;
     for (std::size_t lane = 0; lane < l.width; lane += kGroup) {
       const Combination<StageRow<stage>, stage, double> combined(Pack::load(l.step + lane));
       for (std::size_t k = 0; k < l.coordinates; ++k) {
