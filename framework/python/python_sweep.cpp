@@ -192,16 +192,16 @@ SentRow sent(std::size_t point, const SweepRow& row) {
 }
 
 /// Throws std::invalid_argument where it is no row of so many columns.
-SweepRow received(SentRow sent, std::size_t columns) {
-  auto& [point, status, numbers, reason, warnings] = sent;
+SweepRow received(const SentRow& sent, std::size_t columns) {
+  const auto& [point, status, numbers, reason, warnings] = sent;
   if (status >= kSweepStatuses || numbers.size() != columns ||
       warnings.size() != kMostWarningCodes) {
     throw std::invalid_argument("a worker has sent no row of this sweep");
   }
   SweepRow row;
   row.status = static_cast<SweepStatus>(status);
-  row.numbers = std::move(numbers);
-  row.reason = std::move(reason);
+  row.numbers = numbers;
+  row.reason = reason;
   row.warnings = std::bitset<kMostWarningCodes>(warnings);
   return row;
 }
@@ -235,11 +235,11 @@ class SweepRound {
     }
     return taken;
   }
-  void keep(std::vector<SentRow> rows) {
-    for (SentRow& one : rows) {
+  void keep(const std::vector<SentRow>& rows) {
+    for (const SentRow& one : rows) {
       const std::size_t point = std::get<0>(one);
       if (point >= plan_.point_numbers() || rows_.has(point)) continue;
-      const SweepRow row = received(std::move(one), plan_.columns().size());
+      const SweepRow row = received(one, plan_.columns().size());
       rows_.keep(point, row);
       ++progress_.done[static_cast<std::size_t>(row.status)];
     }

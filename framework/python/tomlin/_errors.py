@@ -144,4 +144,4 @@ class OutputError(Error, OSError):
 
 
 class RunError(Error, RuntimeError):
-    """A run has failed, or the code of a plugin has thrown."""
+    """A run has failed, the code of a plugin has thrown, or a sweep has lost a worker."""
