@@ -33,7 +33,7 @@ struct Fault {
   FaultCode code;
   Place place;
   std::string key;         ///< dotted path of the key, e.g. "force.driver.stiffness"
-  std::string value;       ///< the value as written; empty when there is none
+  std::string value;       ///< the value as written; the line where there is no key; or empty
   std::string why;         ///< what is wrong with it
   std::string admissible;  ///< what would be right; empty when obvious
   std::string nearest;     ///< nearest valid name; empty when there is none
