@@ -46,7 +46,8 @@ RecordedSweep record_sweep(RunFolder& folder, SweepPlan& plan, const RecordedSwe
   options.run_points = asked.run_points;
   recorded.progress = run_sweep(plan, journal, options);
   if (recorded.progress.complete()) {
-    remove_if_empty(options.folder);
+    // A kill between a row and the end of its point leaves the checkpoint.
+    remove_points(options.folder, false);
     recorded.counts = recorded.shard ? count_rows(plan, journal, part)
                                      : write_sweep_results(folder, plan, journal);
   }

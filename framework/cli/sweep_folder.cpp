@@ -76,12 +76,7 @@ std::string where_the_sweep_is(const RunFolder& folder) {
   return (folder.path() / "").string() + ": " + files;
 }
 
-void remove_if_empty(const fs::path& folder) {
-  std::error_code error;
-  if (fs::is_directory(fs::symlink_status(folder, error))) fs::remove(folder, error);
-}
-
-void remove_points(const fs::path& folder) {
+void remove_points(const fs::path& folder, bool traces) {
   std::error_code error;
   if (!fs::is_directory(fs::symlink_status(folder, error))) return;
   std::vector<fs::path> entries;
@@ -94,11 +89,11 @@ void remove_points(const fs::path& folder) {
     for (const char* suffix : {".store", kLineEndSuffix}) {
       if (rest == suffix || rest == unfinished(suffix)) fs::remove(entry, error);
     }
-    if (!rest.empty() || !fs::is_directory(fs::symlink_status(entry, error))) continue;
+    if (!traces || !rest.empty() || !fs::is_directory(fs::symlink_status(entry, error))) continue;
     for (const char* file : kFilesOfARun) fs::remove(entry / file, error);
     fs::remove(entry, error);
   }
-  remove_if_empty(folder);
+  fs::remove(folder, error);  // if it is empty
 }
 
 SweepCounts write_sweep_results(const RunFolder& folder, const SweepPlan& plan,

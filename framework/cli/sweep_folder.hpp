@@ -28,9 +28,9 @@ bool holds_all_results(const RunFolder& folder);
 /// "DIR/: sweep.json, sweep.csv"
 std::string where_the_sweep_is(const RunFolder& folder);
 
-/// Takes away what an earlier sweep has left of its points: nothing that others have put there.
-void remove_points(const std::filesystem::path& folder);
-void remove_if_empty(const std::filesystem::path& folder);
+/// Removes what a sweep has left of its points, without `traces` only checkpoints, and the folder
+/// if it is empty then; nothing that others have put there.
+void remove_points(const std::filesystem::path& folder, bool traces = true);
 
 /// The table and the arrays of a sweep all of whose points have a row.
 SweepCounts write_sweep_results(const RunFolder& folder, const SweepPlan& plan,

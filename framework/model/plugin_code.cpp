@@ -17,6 +17,12 @@ PluginError::PluginError(std::string component, std::string library, std::string
       library_(std::move(library)),
       said_(std::move(said)) {}
 
+bool uses_plugins(const Scene& scene) {
+  return !scene.libraries.empty() || !scene.run.integrator.record->library.empty() ||
+         std::any_of(scene.forces.begin(), scene.forces.end(),
+                     [](const SceneForce& force) { return !force.record->library.empty(); });
+}
+
 PluginError thrown_by_plugins(const Scene& scene, const std::string& said) {
   std::vector<std::string> components;
   std::vector<std::string> libraries;

@@ -86,6 +86,9 @@ auto bound_by(const Component& component, const char* kind, Action action) {
              "the plugin " + component.record->library + did)});
 }
 
+/// Whether forces or the integrator of a scene, or functions of its records, are those of plugins.
+bool uses_plugins(const Scene& scene);
+
 /// An exception that came out of a run of this scene, whose plugins are in use: names their forces
 /// and integrator, and else the libraries alone.
 PluginError thrown_by_plugins(const Scene& scene, const std::string& said);

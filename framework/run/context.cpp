@@ -132,7 +132,7 @@ void RunContext::fail(const PluginError& error) {
 }
 
 void RunContext::check_arithmetic() const {
-  if (scene->libraries.empty() || OwnArithmetic::mode() == arithmetic_) return;
+  if (!uses_plugins_ || OwnArithmetic::mode() == arithmetic_) return;
   { const OwnArithmetic restored(arithmetic_); }
   throw thrown_by_plugins(*scene, "it has changed the mode of floating-point arithmetic");
 }

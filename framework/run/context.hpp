@@ -110,6 +110,7 @@ struct RunContext {
 
  private:
   RunState before_;
+  bool uses_plugins_ = uses_plugins(*scene);
   OwnArithmetic::Mode arithmetic_ = OwnArithmetic::mode();
 };
 
@@ -126,10 +127,10 @@ bool RunContext::attempt(Action action) {
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& error) {
-    if (scene->libraries.empty()) throw;
+    if (!uses_plugins_) throw;
     fail(thrown_by_plugins(*scene, error.what()));
   } catch (...) {
-    if (scene->libraries.empty()) throw;
+    if (!uses_plugins_) throw;
     fail(thrown_by_plugins(*scene, "an exception that is no std::exception"));
   }
   return false;

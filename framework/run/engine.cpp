@@ -103,7 +103,7 @@ Engine::Parts::Parts(const std::shared_ptr<const Scene>& scene, const RunOptions
 } catch (const std::bad_alloc&) {
   throw;
 } catch (const std::exception& error) {
-  if (scene->libraries.empty()) throw;
+  if (!uses_plugins(*scene)) throw;
   refuse_input(FaultCode::plugin_error, scene->file, "",
                thrown_by_plugins(*scene, error.what()).what());
 }

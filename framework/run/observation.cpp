@@ -478,11 +478,11 @@ void Observation::write_results(const double* rates, RunResult& result) const {
   if (!unknown.empty()) {
     result.warnings.push_back(
         {FaultCode::run_error_not_estimated,
-         fmt::format("no statistical error of {}: the window is shorter than {:g} correlation "
-                     "times, or has too few blocks, slips or strokes{}",
-                     unknown, kFewestCorrelationTimes,
-                     longer > 0.0 ? fmt::format("; one {:.2g} times as long is the least", longer)
-                                  : ""),
+         fmt::format(
+             "no statistical error of {}: the window is shorter than {:g} correlation "
+             "times, or has too few blocks, slips or strokes{}",
+             unknown, kFewestCorrelationTimes,
+             longer > 0.0 ? fmt::format("; one {:.2g} times as long is the least", longer) : ""),
          "measure"});
   }
   result.groups = table.take(run_.options.all_observables ? Selection() : selection_);

@@ -221,7 +221,10 @@ class MeanErrors : public RunObserver {
       const double* sum = sums_ + count * width + k;
       means_[count] = (sum[width] - sum[0]) / *length_;
     }
-    return blocked_mean_in_place({means_.data(), count});
+    BlockedMean mean = blocked_mean_in_place({means_.data(), count});
+    // Too few parts show no correlation: there are at most as many correlation times as parts.
+    if (mean.correlation_times == 0.0) mean.correlation_times = static_cast<double>(count);
+    return mean;
   }
 
   ObserverParts parts_;

@@ -35,9 +35,6 @@ TEST_F(Cli, HelpIsEverywhere) {
   const std::string help = tomlin({"--help"}).out;
   EXPECT_EQ(tomlin({"help"}).out, help);
   EXPECT_EQ(tomlin({"help", "run"}).out, tomlin({"run", "--help"}).out);
-  for (const char* name : {"stability", "report"}) {
-    EXPECT_TRUE(contains(help, std::string("\n  ") + name + " ")) << name;
-  }
 }
 
 TEST_F(Cli, TheSceneInTheHelpRuns) {

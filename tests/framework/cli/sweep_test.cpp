@@ -279,9 +279,13 @@ TEST_F(SweepCommand, ResultsThatWereRemovedComeBack) {
   ASSERT_EQ(sweep({"--over", "v=1e-2,2e-2", "-o", "a"}).status, 0);
   const std::string first = results("a");
   fs::remove(folder_ / "a/sweep.csv");
+  // A kill between a row and the end of its point leaves a checkpoint.
+  fs::create_directory(folder_ / "a/sweep.points");
+  write(folder_ / "a/sweep.points/1.store", "left by a kill");
   const Ended ended = sweep({"--over", "v=1e-2,2e-2", "-o", "a"});
   EXPECT_EQ(ended.status, 0);
   EXPECT_TRUE(contains(ended.out, "for 0 points")) << ended.out;
+  EXPECT_FALSE(exists("a/sweep.points"));
   EXPECT_EQ(results("a"), first);
 }
 
