@@ -42,10 +42,10 @@ void take_all_words(CLI::App& parser, PlotArguments& arguments) {
 void check(PlotArguments& arguments) { arguments.words = arguments.parser->remaining(); }
 
 [[noreturn]] void refuse(const std::string& why) {
-  throw InputError(
-      {Fault(FaultCode::plot_no_matplotlib, {"tomlin"}, "", "", "figures are drawn in Python: " + why,
-             "the Python module of tomlin (./dev python), with NumPy and matplotlib "
-             "(Debian: python3-numpy, python3-matplotlib)")});
+  throw InputError({Fault(FaultCode::plot_no_matplotlib, {"tomlin"}, "", "",
+                          "figures are drawn in Python: " + why,
+                          "the Python module of tomlin (./dev python), with NumPy and matplotlib "
+                          "(Debian: python3-numpy, python3-matplotlib)")});
 }
 
 int plot(const PlotArguments& arguments) {

@@ -62,7 +62,6 @@ class ValueReader {
     const std::string& key;
   };
 
-
   std::optional<double> number(const Subject& subject, const Node& node) const;
   std::optional<std::int64_t> integer(const Subject& subject, const Node& node) const;
   std::optional<std::int64_t> index(const Subject& subject, const Node& node) const;
