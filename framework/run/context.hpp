@@ -90,7 +90,7 @@ struct RunContext {
   template <class Action>
   bool attempt(Action action);
   /// The code of a plugin must leave the modes of rounding and of flushing to zero as they are.
-  /// Where it has not, they are restored, and PluginError is thrown.
+  /// Changed modes are restored, and PluginError is thrown.
   void check_arithmetic() const;
 
   std::shared_ptr<const Scene> scene;

@@ -512,7 +512,7 @@ ForceFactories on_particles() {
           of_description<&bind_on_particles<E, tables, rank, Quad>>};
 }
 
-/// Nothing shows that friction which is not linear dissipates: its evaluator declares
+/// The framework cannot infer that nonlinear friction dissipates: its evaluator declares
 /// `static constexpr bool dissipative = true`.
 template <class E>
 constexpr bool declares_dissipation() {
