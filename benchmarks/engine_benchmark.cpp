@@ -646,6 +646,8 @@ void register_replicas() {
       // These keep a ledger of their own in lanes.
       {"pt short", kPt, 64, {{"run.duration", "1e2"}}},
       {"rigid_ring_8 short", ring("rigid", "1e-2"), 16, {{"run.duration", "1e2"}}},
+      // Against "one by one": what a batch of one lane costs a run that has its own route.
+      {"pt one", kPt, 1, {{"run.duration", "4e4"}}},
       {"pt watched", kPt, 64, {{"run.duration", "4e3"}}, watched},
       {"pt baoab without noise",
        kPt,
