@@ -23,8 +23,8 @@ inline constexpr const char* kCheckpointFile = "run.checkpoint";
 inline constexpr const char* kJournalFile = "run.journal";
 inline constexpr const char* kStoreFile = "run.store";
 
-/// Results of a run, made when it ends. The summary goes first and comes last: where it is,
-/// everything else belongs to it.
+/// Results of a run, made when it ends. The summary is removed first and written last: if it
+/// exists, everything else belongs to it.
 inline constexpr std::array kResultFiles = {kSummaryFile, kTableFile, kEventsFile, kH5mdFile,
                                             kXyzFile};
 
