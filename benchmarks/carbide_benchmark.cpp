@@ -14,7 +14,7 @@
 
 namespace {
 
-using Place = std::array<double, 3>;
+using Point = std::array<double, 3>;
 
 constexpr int kCells = 3;
 constexpr double kLattice = 4.36;
@@ -33,21 +33,21 @@ constexpr Bond kBonds[2][2] = {
     {{3.4879, 2.2119, 1393.6, 346.74, 1.8, 2.1}, {2.9839, 1.97205, 1597.311, 395.145, 2.21, 2.51}},
     {{2.9839, 1.97205, 1597.311, 395.145, 2.21, 2.51}, {2.4799, 1.7322, 1830.8, 471.18, 2.7, 3.0}}};
 
-std::vector<Place> places() {
+std::vector<Point> crystal_positions() {
   constexpr double kFace[4][3] = {
       {0.0, 0.0, 0.0}, {0.0, 0.5, 0.5}, {0.5, 0.0, 0.5}, {0.5, 0.5, 0.0}};
-  std::vector<Place> all;
+  std::vector<Point> all;
   for (int cell = 0; cell < kCells * kCells * kCells; ++cell) {
     const int at[3] = {cell % kCells, cell / kCells % kCells, cell / kCells / kCells};
     for (const auto& face : kFace) {
       for (const double quarter : {0.0, 0.25}) {
-        Place place{};
+        Point position{};
         for (std::size_t d = 0; d < 3; ++d) {
           // Displacements are like those at a temperature of some hundred kelvin.
           const double moved = 0.08 * std::sin(12.9898 * static_cast<double>(3 * all.size() + d));
-          place[d] = (at[d] + face[d] + quarter) * kLattice + moved;
+          position[d] = (at[d] + face[d] + quarter) * kLattice + moved;
         }
-        all.push_back(place);
+        all.push_back(position);
       }
     }
   }
@@ -65,9 +65,9 @@ std::string scene() {
   };
   std::string positions;
   std::string species;
-  for (const Place& place : places()) {
-    positions +=
-        "[" + digits(place[0]) + ", " + digits(place[1]) + ", " + digits(place[2]) + "],\n";
+  for (const Point& position : crystal_positions()) {
+    positions += "[" + digits(position[0]) + ", " + digits(position[1]) + ", " +
+                 digits(position[2]) + "],\n";
     species += species.size() % 10 == 0 ? "\"C\", " : "\"S\", ";
   }
   std::string entries;
@@ -100,33 +100,34 @@ std::string scene() {
 /// Numbers of atoms within reach are found once, as lists are kept for many steps.
 class PlainCarbide {
  public:
-  PlainCarbide() : place_(places()), near_(place_.size()), force(place_.size()) {
-    for (std::size_t i = 0; i < place_.size(); ++i) {
-      for (std::size_t j = 0; j < place_.size(); ++j) {
+  PlainCarbide()
+      : position_(crystal_positions()), near_(position_.size()), force(position_.size()) {
+    for (std::size_t i = 0; i < position_.size(); ++i) {
+      for (std::size_t j = 0; j < position_.size(); ++j) {
         const double reach = kBonds[element(i)][element(j)].outer + 0.1;
-        Place way{};
+        Point way{};
         if (j != i && distance(i, j, way) < reach) near_[i].push_back(j);
       }
     }
   }
 
   void evaluate() {
-    std::fill(force.begin(), force.end(), Place{});
-    for (std::size_t i = 0; i < place_.size(); ++i) forces_of(i);
+    std::fill(force.begin(), force.end(), Point{});
+    for (std::size_t i = 0; i < position_.size(); ++i) forces_of(i);
   }
 
  private:
   struct Row {
     std::size_t atom;
-    Place direction;
+    Point direction;
     double r, cutoff, slope;
-    Place gradient;
+    Point gradient;
   };
 
-  double distance(std::size_t i, std::size_t j, Place& way) const {
+  double distance(std::size_t i, std::size_t j, Point& way) const {
     double squared = 0.0;
     for (std::size_t d = 0; d < 3; ++d) {
-      way[d] = place_[j][d] - place_[i][d];
+      way[d] = position_[j][d] - position_[i][d];
       way[d] -= kBox * std::floor(way[d] / kBox + 0.5);
       squared += way[d] * way[d];
     }
@@ -204,13 +205,13 @@ class PlainCarbide {
     }
   }
 
-  std::vector<Place> place_;
+  std::vector<Point> position_;
   std::vector<std::vector<std::size_t>> near_;
   std::vector<Row> rows_;
   std::vector<std::array<double, 3>> terms_;
 
  public:
-  std::vector<Place> force;
+  std::vector<Point> force;
 };
 
 void count_evaluations(benchmark::State& state) {

@@ -229,11 +229,11 @@ BENCHMARK(BM_rigid_ring)->Name("rigid_ring_8/tomlin");
 
 /// Rigid in space, as plain::RigidBox.
 std::string rigid_box() {
-  std::string places;
-  for (const auto& place : plain::RigidBox<plain::StdMath>::places()) {
-    places += fmt::format("[{}, {}, {}], ", place[0], place[1], place[2]);
+  std::string positions;
+  for (const auto& position : plain::RigidBox<plain::StdMath>::positions()) {
+    positions += fmt::format("[{}, {}, {}], ", position[0], position[1], position[2]);
   }
-  return "[[body]]\ntype = \"particles\"\npositions = [" + places +
+  return "[[body]]\ntype = \"particles\"\npositions = [" + positions +
          "]\nparticle_mass = 0.125\ncoordinates = \"rigid\"\n" + R"--(
 [[force]]
 name = "driver"

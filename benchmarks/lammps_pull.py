@@ -20,7 +20,7 @@ STEPS = {"LAMMPS": 1000, "pairs": 5000, "field": 8000}
 
 
 def pull(field: bool) -> str:
-    """The scene from the moment of the pull on; with the sheet as a field of place."""
+    """The scene from the moment of the pull on; with the sheet as a field of position."""
     blocks = SCENE.read_text(encoding="utf-8").split("\n\n")
     blocks = [block for block in blocks if "nose_hoover_chain" not in block
               and not block.startswith(("[measure]", "[output]"))]

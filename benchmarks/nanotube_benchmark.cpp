@@ -30,11 +30,11 @@ constexpr double kBond = 1.4388;
 constexpr double kStep = 1e-3;
 constexpr double kMass = 12.011 * 1.0364269e-4;
 
-using Place = std::array<double, 3>;
+using Point = std::array<double, 3>;
 
 double length_of_box() { return kCells * 3.0 * kBond; }
 
-std::vector<Place> tube() {
+std::vector<Point> tube() {
   constexpr int kAround = 10;
   const double radius = kAround * std::sqrt(3.0) * kBond / (2.0 * std::numbers::pi);
   struct Circle {
@@ -42,19 +42,19 @@ std::vector<Place> tube() {
     double turned;
   };
   constexpr std::array<Circle, 4> kCircles = {{{0.0, 0.0}, {0.5, 0.5}, {1.5, 0.5}, {2.0, 0.0}}};
-  std::vector<Place> places;
+  std::vector<Point> positions;
   for (int cell = 0; cell < kCells; ++cell) {
     for (const Circle& circle : kCircles) {
       for (int k = 0; k < kAround; ++k) {
         const double angle = 2.0 * std::numbers::pi * (k + circle.turned) / kAround;
-        // Every atom off its place by some hundredths of a bond.
-        const double off = 0.03 * std::sin(7.0 * static_cast<double>(places.size()));
-        places.push_back({(3.0 * cell + circle.height) * kBond + off,
-                          radius * std::cos(angle) - off, radius * std::sin(angle) + 0.5 * off});
+        // Every atom off its position by some hundredths of a bond.
+        const double off = 0.03 * std::sin(7.0 * static_cast<double>(positions.size()));
+        positions.push_back({(3.0 * cell + circle.height) * kBond + off,
+                             radius * std::cos(angle) - off, radius * std::sin(angle) + 0.5 * off});
       }
     }
   }
-  return places;
+  return positions;
 }
 
 constexpr double kEpsilon = 0.002411;
@@ -75,7 +75,7 @@ class PlainSheet {
     }
   }
 
-  void add_force(const Place& x, Place& f) const {
+  void add_force(const Point& x, Point& f) const {
     const double z = x[2] - kSheetHeight;
     const double part = (z - kLowest) / kWidth;
     const int row = static_cast<int>(part);
@@ -161,7 +161,7 @@ class PlainTube {
     for (std::size_t i = 0; i < x_.size(); ++i) {
       int found = 0;
       for (std::size_t j = 0; j < x_.size(); ++j) {
-        const Place way = way_to(i, j);
+        const Point way = way_to(i, j);
         const double r = std::sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
         if (j != i && r < 1.9) near_[i][static_cast<std::size_t>(found++)] = j;
       }
@@ -183,24 +183,24 @@ class PlainTube {
   }
 
  private:
-  Place way_to(std::size_t i, std::size_t j) const {
-    Place way = {x_[j][0] - x_[i][0], x_[j][1] - x_[i][1], x_[j][2] - x_[i][2]};
+  Point way_to(std::size_t i, std::size_t j) const {
+    Point way = {x_[j][0] - x_[i][0], x_[j][1] - x_[i][1], x_[j][2] - x_[i][2]};
     way[0] -= length_of_box() * std::floor(way[0] / length_of_box() + 0.5);
     return way;
   }
 
   void forces() {
     using namespace tomlin::plain::carbon;
-    for (Place& f : f_) f = {0.0, 0.0, 0.0};
+    for (Point& f : f_) f = {0.0, 0.0, 0.0};
     for (std::size_t i = 0; i < x_.size(); ++i) {
-      std::array<Place, 3> e{};
+      std::array<Point, 3> e{};
       std::array<double, 3> r{};
       for (std::size_t j = 0; j < 3; ++j) {
         e[j] = way_to(i, near_[i][j]);
         r[j] = std::sqrt(e[j][0] * e[j][0] + e[j][1] * e[j][1] + e[j][2] * e[j][2]);
         for (double& x : e[j]) x /= r[j];
       }
-      std::array<Place, 3> gradient{};
+      std::array<Point, 3> gradient{};
       for (std::size_t j = 0; j < 3; ++j) {
         double zeta = 0.0;
         std::array<double, 3> cosine{};
@@ -241,16 +241,16 @@ class PlainTube {
 
   bool on_sheet_;
   PlainSheet sheet_;
-  std::vector<Place> x_;
-  std::vector<Place> v_;
-  std::vector<Place> f_;
+  std::vector<Point> x_;
+  std::vector<Point> v_;
+  std::vector<Point> f_;
   std::vector<std::array<std::size_t, 3>> near_;
 };
 
 /// `contact`: the type of the force of the sheet, with keys of its own; empty: there is none.
 std::string scene(const std::string& contact) {
   std::string positions;
-  for (const Place& x : tube()) {
+  for (const Point& x : tube()) {
     positions += "[" + std::to_string(x[0]) + ", " + std::to_string(x[1]) + ", " +
                  std::to_string(x[2]) + "], ";
   }
@@ -327,9 +327,9 @@ BENCHMARK(BM_plain_nanotube)->Name("nanotube_800/plain")->Unit(benchmark::kMicro
 
 // ---- one evaluation of Tersoff's potential, beside a twin in vectors ----------------------------
 
-tomlin::plain::TersoffTwin twin(const std::vector<Place>& places) {
+tomlin::plain::TersoffTwin twin(const std::vector<Point>& positions) {
   tomlin::plain::TersoffTwin made;
-  made.count = places.size();
+  made.count = positions.size();
   std::vector<std::vector<std::size_t>> near(made.count);
   for (std::size_t j = 0; j < 3; ++j) {
     made.x[j].resize(made.count);
@@ -338,14 +338,15 @@ tomlin::plain::TersoffTwin twin(const std::vector<Place>& places) {
     made.back[j].resize(made.count);
     made.shift[j].resize(made.count);
     made.gradient[j].resize(3 * made.count);
-    for (std::size_t i = 0; i < made.count; ++i) made.x[j][i] = places[i][j];
+    for (std::size_t i = 0; i < made.count; ++i) made.x[j][i] = positions[i][j];
   }
   for (std::size_t i = 0; i < made.count; ++i) {
     for (std::size_t j = 0; j < made.count; ++j) {
-      double way = places[j][0] - places[i][0];
+      double way = positions[j][0] - positions[i][0];
       const double shift = -length_of_box() * std::floor(way / length_of_box() + 0.5);
       way += shift;
-      const double r = std::hypot(way, places[j][1] - places[i][1], places[j][2] - places[i][2]);
+      const double r =
+          std::hypot(way, positions[j][1] - positions[i][1], positions[j][2] - positions[i][2]);
       if (j == i || r > 1.9) continue;
       const std::size_t k = near[i].size();
       if (k == 3) throw std::logic_error("an atom has more than three neighbours");
@@ -382,8 +383,8 @@ tomlin::plain::TersoffTwinKernel twin_kernel() {
 }
 
 /// Positions of the engine's tube; the force of Tersoff's potential is its only one.
-std::vector<Place> places_of(tomlin::EvaluatedScene& evaluated) {
-  std::vector<Place> all(tube().size());
+std::vector<Point> positions_of(tomlin::EvaluatedScene& evaluated) {
+  std::vector<Point> all(tube().size());
   for (std::size_t i = 0; i < all.size(); ++i) {
     for (std::size_t d = 0; d < 3; ++d) all[i][d] = evaluated.position(i, d);
   }
@@ -401,7 +402,7 @@ BENCHMARK(BM_tersoff)->Name("tersoff_800/tomlin")->Unit(benchmark::kMicrosecond)
 void BM_tersoff_twin(benchmark::State& state) {
   tomlin::EvaluatedScene evaluated(scene(""));
   evaluated.evaluate();
-  tomlin::plain::TersoffTwin made = twin(places_of(evaluated));
+  tomlin::plain::TersoffTwin made = twin(positions_of(evaluated));
   const tomlin::plain::TersoffTwinKernel kernel = twin_kernel();
   kernel(made);
   double most = 0.0;

@@ -565,7 +565,7 @@ template <class Math>
 // ---- rigid box in space -------------------------------------------------------------------------
 
 template <class Math>
-std::vector<std::array<double, 3>> RigidBox<Math>::places() {
+std::vector<std::array<double, 3>> RigidBox<Math>::positions() {
   constexpr double kSpacing = 0.4;
   std::vector<std::array<double, 3>> all;
   for (int i = 0; i < 2; ++i) {
@@ -577,15 +577,15 @@ std::vector<std::array<double, 3>> RigidBox<Math>::places() {
 }
 
 template <class Math>
-RigidBox<Math>::RigidBox() : reference(places()) {
-  for (const auto& place : reference) {
-    for (int d = 0; d < 3; ++d) start[d] += place[d] / static_cast<double>(reference.size());
+RigidBox<Math>::RigidBox() : reference(positions()) {
+  for (const auto& position : reference) {
+    for (int d = 0; d < 3; ++d) start[d] += position[d] / static_cast<double>(reference.size());
   }
-  for (auto& place : reference) {
-    for (int d = 0; d < 3; ++d) place[d] -= start[d];
+  for (auto& position : reference) {
+    for (int d = 0; d < 3; ++d) position[d] -= start[d];
     for (int d = 0; d < 3; ++d) {
-      const double one = place[(d + 1) % 3];
-      const double other = place[(d + 2) % 3];
+      const double one = position[(d + 1) % 3];
+      const double other = position[(d + 2) % 3];
       inertia[d] += mass_each * (one * one + other * other);
     }
   }
@@ -610,10 +610,10 @@ auto RigidBox<Math>::rates(const State& s, double t) const -> State {
 
   double sum[3] = {};
   double torque[3] = {};
-  for (const auto& place : reference) {
+  for (const auto& position : reference) {
     double r[3];
     for (int k = 0; k < 3; ++k) {
-      r[k] = m[k][0] * place[0] + m[k][1] * place[1] + m[k][2] * place[2];
+      r[k] = m[k][0] * position[0] + m[k][1] * position[1] + m[k][2] * position[2];
     }
     const double y = s.x[1] + r[1];
     double sine, cosine;

@@ -203,7 +203,7 @@ struct RigidBox {
   double decay = 1.0;
   double mass_each = 0.125;
 
-  static std::vector<std::array<double, 3>> places();
+  static std::vector<std::array<double, 3>> positions();
 
   RigidBox();
   void advance(std::int64_t steps, double h);

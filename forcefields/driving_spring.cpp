@@ -102,7 +102,7 @@ class Driven : public Base, public PulledEnd {
   }
 
   /// Elapsed time and travel in twice double precision: a driver 1e9 periods on still knows its
-  /// place within the cell to the last digit.
+  /// position within the cell to the last digit.
   void begin_step(const DoubleDouble& time) override {
     for (int k = 0; k < D; ++k) {
       if (control_ != nullptr) {

@@ -56,7 +56,7 @@ double departs(const FormulaLaw& law, std::size_t component, FormulaLaw::Values 
   return std::abs(difference) > kRounding * largest ? std::abs(difference) : 0.0;
 }
 
-/// The length at which what is periodic, or confined to a place, departs from a quadratic formula
+/// The length at which what is periodic, or confined to a region, departs from a quadratic formula
 /// by an eighth of the most that it ever does; 0 for what departs ever more.
 double length_along(const FormulaLaw& law, std::size_t component, const FormulaLaw::Values& at,
                     std::uint32_t variable) {
@@ -185,7 +185,7 @@ class Examiner {
   /// Adds a complaint about a variable, where the formula names it.
   void refuse(FaultCode code, std::uint32_t index, const std::string& why,
               const char* admissible = "") {
-    const auto use = law_.place_of(index);
+    const auto use = law_.use_of(index);
     if (!use) return;
     Complaint& complaint = complain(
         code, key(), fmt::format("'{}' {}", formula_variable_name(index), why), admissible);
@@ -348,15 +348,15 @@ class Examiner {
   }
 
   bool repeats_along(std::size_t axis, double length) {
-    constexpr int kPlaces = 97;
+    constexpr int kPoints = 97;
     constexpr double kRounding = 1e-9;  // of formulas with some dozens of operations
-    constexpr double kFar = 1000.0;     // every other place is compared with one so far away
+    constexpr double kFar = 1000.0;     // every other point is compared with one so far away
     constexpr double kFarRounding = 1e-6;
     const std::uint32_t first =
         law_.element() == FormulaElement::centre ? variable::centre : variable::position;
     for (std::size_t component = 0; component < law_.components(); ++component) {
-      for (int k = 0; k < kPlaces; ++k) {
-        // Places that no symmetry links: multiples of the golden mean, modulo one.
+      for (int k = 0; k < kPoints; ++k) {
+        // Points that no symmetry links: multiples of the golden mean, modulo one.
         FormulaLaw::Values at{};
         at[variable::count] = static_cast<double>(scene_.bodies.front().count);
         at[variable::index] = static_cast<double>(k % scene_.bodies.front().count);

@@ -252,14 +252,14 @@ struct LatticeSum {
 template <class T, int phases>
 struct LatticeMap {
   static constexpr int kTerms = 1;  ///< that depend on the height each by its own
-  using Waves = SplinePlace<T, phases>;
+  using Waves = SplinePoint<T, phases>;
 
   T scale;
 
-  TOMLIN_INLINE T energy(const Waves& place) const { return scale * place.value(); }
+  TOMLIN_INLINE T energy(const Waves& point) const { return scale * point.value(); }
   /// By turns.
-  TOMLIN_INLINE Vec<T, phases> pull(const Waves& place) const {
-    return (-scale) * place.gradient();
+  TOMLIN_INLINE Vec<T, phases> pull(const Waves& point) const {
+    return (-scale) * point.gradient();
   }
 };
 

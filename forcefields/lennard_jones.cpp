@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "framework/core/elements/cutoff_pairs.hpp"
+#include "framework/core/text/located_words.hpp"
 #include "framework/core/text/number_file.hpp"
-#include "framework/core/text/placed_words.hpp"
 #include "framework/core/text/xyz_file.hpp"
 
 TOMLIN_DECLARE_TABLES(LennardJones, CutoffPairTable)
@@ -89,7 +89,7 @@ double length_of_entries(const LennardJonesDescription& d) {
 std::vector<LennardJonesEntry> parse_lennard_jones(std::string_view text,
                                                    std::vector<std::string>& faults) {
   constexpr std::size_t kWords = 4;
-  const std::vector<PlacedWord> words = words_of_lines(text);
+  const std::vector<LocatedWord> words = words_of_lines(text);
   const auto refuse = [&](std::size_t line, const std::string& why) {
     faults.push_back(fmt::format("entries:{}: {}", line, why));
   };
@@ -104,7 +104,7 @@ std::vector<LennardJonesEntry> parse_lennard_jones(std::string_view text,
     }
     LennardJonesEntry entry;
     for (std::size_t k = 0; k < 2; ++k) {
-      const PlacedWord& species = words[first + k];
+      const LocatedWord& species = words[first + k];
       if (!is_species_name(species.word)) {
         refuse(species.line, fmt::format("column {} is not a name of a species", species.column));
         return {};
@@ -113,7 +113,7 @@ std::vector<LennardJonesEntry> parse_lennard_jones(std::string_view text,
     }
     double* const numbers[] = {&entry.epsilon, &entry.sigma};
     for (std::size_t k = 0; k < 2; ++k) {
-      const PlacedWord& number = words[first + 2 + k];
+      const LocatedWord& number = words[first + 2 + k];
       std::string why;
       *numbers[k] = parse_number(number.word, why);
       if (why.empty() && !(k == 0 ? entry.epsilon >= 0.0 : entry.sigma > 0.0)) {

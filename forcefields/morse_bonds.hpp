@@ -16,7 +16,7 @@
 ///
 /// Source: P. M. Morse, Phys. Rev. 34, 57 (1929), doi:10.1103/PhysRev.34.57, eq. (4).
 /// Valid for r_ij > 0: the repulsion stays finite at contact, where there is no direction to push.
-/// With r0 = 0 there is none, and contact is a place like any other.
+/// With r0 = 0 there is none, and contact is a point like any other.
 namespace tomlin {
 
 struct MorseBondsDescription {

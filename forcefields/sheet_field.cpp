@@ -135,8 +135,8 @@ void check_heights(const StartingParticles& body, const std::string& sheet, cons
   double least = table.nearest;
   double lowest = 0.0;
   double highest = 0.0;
-  for (std::size_t i = 0; i < body.place.size(); ++i) {
-    double height = body.place[i][2] - table.centre[2];
+  for (std::size_t i = 0; i < body.positions.size(); ++i) {
+    double height = body.positions[i][2] - table.centre[2];
     if (box_height > 0.0) height -= box_height * std::floor(height / box_height + 0.5);
     lowest = std::min(lowest, height);
     highest = std::max(highest, height);
@@ -216,7 +216,7 @@ std::vector<Complaint> complaints(const Description& d, const SceneOutline& scen
 ForceRecord sheet_field_record() {
   ForceRecord record = record_of<Description>();
   record.name = "sheet_field";
-  record.summary = "lennard_jones with a fixed periodic sheet, as a function of place";
+  record.summary = "lennard_jones with a fixed periodic sheet, as a function of position";
   record.equation =
       "V = V_0(z) + sum over reciprocal vectors G of V_G(z) cos(2 pi G.R): the sum over the sheet "
       "of V_LJ(r) - V_LJ(cutoff) - (r - cutoff) V_LJ'(cutoff), V_LJ(r) = 4 * epsilon * "

@@ -12,7 +12,7 @@
 #include "framework/core/records/bound_force.hpp"
 
 /// Lennard-Jones interaction with a fixed, flat, periodic sheet of equal atoms, as a function of
-/// place alone.
+/// position alone.
 ///
 ///   V(R, z) = V_0(z) + sum_s f_s(z) W_s(R),  0 for z >= r_c; z the distance from the sheet
 ///   V_0(z)  = 2 pi rho int_z^r_c V_c(r) r dr,  V_0'(z) = -2 pi rho z V_c(z)
@@ -228,9 +228,9 @@ struct SheetField {
     const auto stars = static_cast<std::size_t>(table[0]);
     // Nothing is added beyond the reach of a star, so that it may be left out.
     if (stars == 0 || !any(z < T(static_cast<Scalar<T>>(star[0])))) return sum;
-    const T place = (z - p.nearest) * p.per_length;
-    const T interval = min(floor(place), p.last);
-    const T t = place - interval;
+    const T position = (z - p.nearest) * p.per_length;
+    const T interval = min(floor(position), p.last);
+    const T t = position - interval;
     const SplineWeights<T> weights(t);
     const double row_length = table[0] * double{SheetTable::kKnot};
     const TableIndex<T> row(interval * T(static_cast<Scalar<T>>(row_length)));

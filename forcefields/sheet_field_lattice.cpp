@@ -93,14 +93,14 @@ std::optional<std::size_t> displaced_atom(const SheetAtoms& atoms,
   return worst;
 }
 
-/// How near to the origin lattice vectors bring a place, given in parts of them.
-double shortest_image(const SheetLattice& lattice, const SheetPoint& place) {
+/// How near to the origin lattice vectors bring a point, given in parts of them.
+double shortest_image(const SheetLattice& lattice, const SheetPoint& point) {
   const auto& [a1, a2] = lattice.vectors;
   double shortest = HUGE_VAL;
   for (const int i : {-1, 0, 1}) {
     for (const int j : {-1, 0, 1}) {
-      const double u = place[0] - std::round(place[0]) + i;
-      const double v = place[1] - std::round(place[1]) + j;
+      const double u = point[0] - std::round(point[0]) + i;
+      const double v = point[1] - std::round(point[1]) + j;
       shortest = std::min(shortest, std::hypot(u * a1[0] + v * a2[0], u * a1[1] + v * a2[1]));
     }
   }
@@ -129,11 +129,11 @@ SheetAtoms::SheetAtoms(std::vector<SheetPoint> atoms, SheetPoint box)
   }
 }
 
-std::array<long, 2> SheetAtoms::bin_of(const SheetPoint& place) const {
+std::array<long, 2> SheetAtoms::bin_of(const SheetPoint& point) const {
   std::array<long, 2> bin{};
   for (std::size_t axis = 0; axis < 2; ++axis) {
     const double width = box_[axis] / static_cast<double>(bins_along_[axis]);
-    bin[axis] = static_cast<long>(std::floor(place[axis] / width));
+    bin[axis] = static_cast<long>(std::floor(point[axis] / width));
   }
   return bin;
 }
@@ -144,9 +144,9 @@ std::pair<std::size_t, double> SheetAtoms::wrapped(long bin, std::size_t axis) c
   return {static_cast<std::size_t>(bin - boxes * count), static_cast<double>(boxes) * box_[axis]};
 }
 
-std::optional<std::size_t> SheetAtoms::at(const SheetPoint& place, double reach) const {
+std::optional<std::size_t> SheetAtoms::at(const SheetPoint& point, double reach) const {
   std::optional<std::size_t> found;
-  for_near(place, reach, [&](std::size_t i, double x, double y) {
+  for_near(point, reach, [&](std::size_t i, double x, double y) {
     if (x * x + y * y <= reach * reach) found = i;
   });
   return found;

@@ -23,28 +23,28 @@ class SheetAtoms {
   /// Side of a square as large as an atom's share of the box.
   double spacing() const { return spacing_; }
 
-  /// use(i, x, y): all images of atoms i whose displacement (x, y) from a place may be as short as
-  /// `reach`, in an order that depends on the place alone; some are further away.
+  /// use(i, x, y): all images of atoms i whose displacement (x, y) from a point may be as short as
+  /// `reach`, in an order that depends on the point alone; some are further away.
   template <class Use>
-  void for_near(const SheetPoint& place, double reach, Use&& use) const {
-    const std::array<long, 2> low = bin_of({place[0] - reach, place[1] - reach});
-    const std::array<long, 2> high = bin_of({place[0] + reach, place[1] + reach});
+  void for_near(const SheetPoint& point, double reach, Use&& use) const {
+    const std::array<long, 2> low = bin_of({point[0] - reach, point[1] - reach});
+    const std::array<long, 2> high = bin_of({point[0] + reach, point[1] + reach});
     for (long bx = low[0]; bx <= high[0]; ++bx) {
       for (long by = low[1]; by <= high[1]; ++by) {
         const auto [kx, shift_x] = wrapped(bx, 0);
         const auto [ky, shift_y] = wrapped(by, 1);
         for (const std::size_t i : bins_[kx * static_cast<std::size_t>(bins_along_[1]) + ky]) {
-          use(i, (atoms_[i][0] - place[0]) + shift_x, (atoms_[i][1] - place[1]) + shift_y);
+          use(i, (atoms_[i][0] - point[0]) + shift_x, (atoms_[i][1] - point[1]) + shift_y);
         }
       }
     }
   }
 
-  /// The atom of which an image is within `reach` of a place.
-  std::optional<std::size_t> at(const SheetPoint& place, double reach) const;
+  /// The atom of which an image is within `reach` of a point.
+  std::optional<std::size_t> at(const SheetPoint& point, double reach) const;
 
  private:
-  std::array<long, 2> bin_of(const SheetPoint& place) const;
+  std::array<long, 2> bin_of(const SheetPoint& point) const;
   /// Returns the bin in the box of which a bin is an image, and the shift of its atoms.
   std::pair<std::size_t, double> wrapped(long bin, std::size_t axis) const;
 
@@ -56,7 +56,7 @@ class SheetAtoms {
 };
 
 /// The lattice whose cell is as small as can be, with one atom or two in it. About `centre` it is
-/// symmetric: of two atoms a cell that is the place furthest from them (in graphene the middle of a
+/// symmetric: of two atoms a cell that is the point furthest from them (in graphene the middle of a
 /// hexagon), or else the atom.
 ///
 /// Lengths of the box are whole numbers of lattice vectors, so that its reciprocal vectors are

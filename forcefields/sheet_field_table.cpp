@@ -327,7 +327,7 @@ SheetTable make_sheet_table(const SheetLattice& lattice, const SheetLaw& law, do
 }
 
 SheetError measure_sheet_error(const SheetTable& table, const SheetAtoms& atoms) {
-  constexpr int kPlaces = 800;
+  constexpr int kPoints = 800;
   SheetFieldDescription description;
   description.sheet = std::make_shared<SheetTable>(table);
   auto p = SheetField::parameters<double, 3>(description);
@@ -337,13 +337,13 @@ SheetError measure_sheet_error(const SheetTable& table, const SheetAtoms& atoms)
       table.law.cutoff};
   const double range = table.law.cutoff - table.nearest;
   SheetError worst;
-  for (int k = 0; k < kPlaces; ++k) {
-    // Places that fill space evenly, by multiples of irrational numbers.
+  for (int k = 0; k < kPoints; ++k) {
+    // Points that fill space evenly, by multiples of irrational numbers.
     const auto part = [k](double number) {
       const double x = (k + 0.5) * number;
       return x - std::floor(x);
     };
-    const SheetPoint place = {part(0.8191725133961645) * atoms.box()[0],
+    const SheetPoint point = {part(0.8191725133961645) * atoms.box()[0],
                               part(0.6710436067037893) * atoms.box()[1]};
     const double depth = part(0.5497004779019703);
     const double z = table.nearest + range * depth * depth;
@@ -351,7 +351,7 @@ SheetError measure_sheet_error(const SheetTable& table, const SheetAtoms& atoms)
 
     double energy = 0.0;
     Vec<double, 3> force{};
-    atoms.for_near(place, table.law.cutoff, [&](std::size_t, double x, double y) {
+    atoms.for_near(point, table.law.cutoff, [&](std::size_t, double x, double y) {
       Pair<double, 3> pair{};
       pair.separation[0] = x;
       pair.separation[1] = y;
@@ -362,8 +362,8 @@ SheetError measure_sheet_error(const SheetTable& table, const SheetAtoms& atoms)
     });
 
     Site<double, 3> site{};
-    site.position[0] = place[0];
-    site.position[1] = place[1];
+    site.position[0] = point[0];
+    site.position[1] = point[1];
     site.position[2] = table.centre[2] + side * z;
     site.table = table.numbers.data();
     const auto [mean, normal] = mean_at(table, z);

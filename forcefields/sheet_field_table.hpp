@@ -46,7 +46,7 @@ struct SheetTable {
   static constexpr std::size_t kKnot = 3;        ///< f, its slope, half its curvature
   static constexpr std::size_t kMostOrder = 12;  ///< of m and |n|
 
-  /// Place, from the scene's first origin: where the lattice has its centre, and the height.
+  /// Position, from the scene's first origin: where the lattice has its centre, and the height.
   std::array<double, 3> centre{};
   SheetLattice lattice;
   SheetLaw law;
@@ -78,7 +78,7 @@ inline constexpr int kSheetAttempts = 6;
 SheetTable make_sheet_table(const SheetLattice& lattice, const SheetLaw& law, double sigma,
                             double tolerance, int attempt);
 
-/// The differences from sums over the atoms at some hundred places, spread evenly over the box on
+/// The differences from sums over the atoms at some hundred points, spread evenly over the box on
 /// both sides of the sheet, and more densely near it.
 SheetError measure_sheet_error(const SheetTable& table, const SheetAtoms& atoms);
 

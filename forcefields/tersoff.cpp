@@ -7,8 +7,8 @@
 
 #include "framework/core/elements/bond_order.hpp"
 #include "framework/core/records/fetched_numbers.hpp"
+#include "framework/core/text/located_words.hpp"
 #include "framework/core/text/number_file.hpp"
-#include "framework/core/text/placed_words.hpp"
 #include "framework/core/text/xyz_file.hpp"
 
 TOMLIN_DECLARE_TABLES(Tersoff, BondOrderTable)
@@ -212,7 +212,7 @@ std::vector<TersoffEntry> parse_tersoff(std::string_view text, const std::string
       &TersoffNumbers::b,       &TersoffNumbers::r,     &TersoffNumbers::half_width,
       &TersoffNumbers::lambda1, &TersoffNumbers::a};
   constexpr std::size_t kWords = 3 + kNumbers.size();
-  const std::vector<PlacedWord> words = words_of_lines(text);
+  const std::vector<LocatedWord> words = words_of_lines(text);
   const auto refuse = [&](std::size_t line, const std::string& why) {
     faults.push_back(fmt::format("{}:{}: {}", name, line, why));
   };
@@ -227,7 +227,7 @@ std::vector<TersoffEntry> parse_tersoff(std::string_view text, const std::string
     }
     TersoffEntry entry;
     for (std::size_t k = 0; k < 3; ++k) {
-      const PlacedWord& species = words[first + k];
+      const LocatedWord& species = words[first + k];
       if (!is_species_name(species.word)) {
         refuse(species.line, fmt::format("column {} is not a name of a species", species.column));
         return {};
@@ -235,7 +235,7 @@ std::vector<TersoffEntry> parse_tersoff(std::string_view text, const std::string
       entry.species[k] = std::string(species.word);
     }
     for (std::size_t k = 0; k < kNumbers.size(); ++k) {
-      const PlacedWord& word = words[first + 3 + k];
+      const LocatedWord& word = words[first + 3 + k];
       std::string why;
       entry.numbers.*kNumbers[k] = parse_number(word.word, why);
       if (why.empty()) continue;

@@ -7,8 +7,8 @@
 /// One step of h is a symmetric composition of seven kicks and six drifts, with forces F(x, t):
 ///   v <- v + b_i h F(x, t + c_i h)/m,   x <- x + a_i h v,   c_i = sum of a_j before i
 /// It is symplectic and can be retraced: the energy of a scene at rest does not drift however long
-/// the run. Order 4 for forces that depend on place and time; six evaluations per step, the last of
-/// which is the next step's first; stable up to h omega = 3.163.
+/// the run. Order 4 for forces that depend on position and time; six evaluations per step, the last
+/// of which is the next step's first; stable up to h omega = 3.163.
 ///
 /// Why this one: on a driven particle on a corrugation its error is 240 times smaller than Forest
 /// and Ruth's at the same number of evaluations, 4 times smaller than that of Omelyan, Mryglod and

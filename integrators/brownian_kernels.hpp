@@ -40,13 +40,13 @@ struct BrownianKernels {
   template <class Real>
   TOMLIN_INLINE static bool keep_slopes(const SystemView<Real>& s, Real* slope) {
     using Group = Packed<Real>;
-    auto sound = first_lanes_of<Group>(kGroup);
+    auto finite = first_lanes_of<Group>(kGroup);
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
       const Group u = Group::load(s.force + i) * Group::load(s.inverse_mass + i);
-      sound = sound & (abs(u) < Group(Real(__builtin_inf())));
+      finite = finite & (abs(u) < Group(Real(__builtin_inf())));
       u.store(slope + i);
     }
-    return all(sound);
+    return all(finite);
   }
 
   template <class Real>
@@ -66,17 +66,17 @@ struct BrownianKernels {
     const BrownianArrays<Real> w = arrays;
     const Real h(length);
     const Group root(sqrt(h));
-    auto sound = first_lanes_of<Group>(kGroup);
+    auto valid = first_lanes_of<Group>(kGroup);
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
       Group move = Group(h) * Group::load(w.slope + i);
       if (s.noise_count > 0) {
         move = fma(root * Group::load(s.noise_scale + i), Group::load(w.noise + i), move);
       }
-      sound = sound & (abs(move) <= Group::load(s.largest_move + i));
+      valid = valid & (abs(move) <= Group::load(s.largest_move + i));
       move.store(w.move + i);
       (Group::load(s.position + i) + move).store(w.position + i);
     }
-    if (!all(sound)) return false;
+    if (!all(valid)) return false;
     for (std::size_t i = 0; i < s.own; i += kGroup) {
       fma(Group(h), Group::load(w.rates + i), Group::load(s.integrals + i)).store(w.own + i);
     }
@@ -85,9 +85,9 @@ struct BrownianKernels {
                       static_cast<const Real*>(w.own), w.end_rates, Real(start) + h));
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
       const Group u = Group::load(s.force + i) * Group::load(s.inverse_mass + i);
-      sound = sound & (abs(u) < Group(Real(__builtin_inf())));
+      valid = valid & (abs(u) < Group(Real(__builtin_inf())));
     }
-    if (!all(sound)) return false;
+    if (!all(valid)) return false;
 
     const Real half = Real(0.5) * h;
     Group along(Real(0.0));

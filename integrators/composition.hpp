@@ -157,7 +157,7 @@ class Composition : public Integrator<Real> {
     lanes_.resize(layout.width);
     energies_.assign(system_.view.kinetic_count * layout.width, Real(0.0));
     arrays_.lanes = layout.width;
-    arrays_.places = layout.coordinates.from.data();
+    arrays_.indices = layout.coordinates.from.data();
     arrays_.half_step_energy = energies_.data();
   }
 

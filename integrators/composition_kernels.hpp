@@ -26,8 +26,8 @@ struct CompositionArrays {
   const Real* mass = nullptr;        ///< zero where nothing moves
   std::uint64_t step = 0;            ///< number of the step
   // These are for replicas in lanes (lanes.hpp).
-  std::size_t lanes = 0;                ///< none: of one run
-  const std::size_t* places = nullptr;  ///< where coordinates stand in the arrays of one run
+  std::size_t lanes = 0;                 ///< none: of one run
+  const std::size_t* indices = nullptr;  ///< where coordinates stand in the arrays of one run
 };
 
 template <class Real>
@@ -99,11 +99,11 @@ struct CompositionKernels {
                                   int k, Real h) {
     using Group = Packed<Real>;
     const Group part(h * Scheme::template drift<Real>[k]);
-    auto sound = first_lanes_of<Group>(kGroup);
+    auto valid = first_lanes_of<Group>(kGroup);
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
       const Group v = Group::load(w.velocity + i);
       const Group move = k == 0 ? part * v : fma(part, v, Group::load(w.move + i));
-      sound = sound & (abs(move) <= Group::load(s.largest_move + i));
+      valid = valid & (abs(move) <= Group::load(s.largest_move + i));
       move.store(w.move + i);
       (Group::load(s.position + i) + move).store(w.position + i);
     }
@@ -114,7 +114,7 @@ struct CompositionKernels {
           Group::load(w.own_after + i))
           .store(w.own + i);
     }
-    return all(sound);
+    return all(valid);
   }
 
   /// Forces at the stage. False when one is no number: it must not enter the state.
@@ -125,12 +125,12 @@ struct CompositionKernels {
     evaluate(s,
              stage_of(s, static_cast<const Real*>(w.position), static_cast<const Real*>(w.velocity),
                       static_cast<const Real*>(w.own), rates, elapsed));
-    auto sound = first_lanes_of<Group>(kGroup);
+    auto finite = first_lanes_of<Group>(kGroup);
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
       const Group a = Group::load(s.force + i) * Group::load(s.inverse_mass + i);
-      sound = sound & (abs(a) < Group(Real(__builtin_inf())));
+      finite = finite & (abs(a) < Group(Real(__builtin_inf())));
     }
-    return all(sound);
+    return all(finite);
   }
 
   /// Weighted rates of the kicks between the first and the last.

@@ -45,7 +45,7 @@ constexpr double kNotCloser = 0.5;
 /// The curve turns less than 60 degrees in a step.
 constexpr double kSteepest = 2.0;
 
-/// Steps are searched for the curve's turning back at so many places.
+/// Steps are searched for the curve's turning back at so many points.
 constexpr int kLooks = 64;
 constexpr int kHalvings = 60;
 /// A fold is found when time changes there by no more than this part of the way.
@@ -84,7 +84,7 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
     d_.tolerance = std::max(d_.tolerance, kRounding);
     const std::size_t rates = system.view.rates;
     for (Node& node : nodes_) {
-      node.place.assign(n_, 0.0);
+      node.position.assign(n_, 0.0);
       node.slope.assign(n_, 0.0);
     }
     for (auto& one : rates_of_step_) one.assign(rates + 2 * kGroup, 0.0);
@@ -241,10 +241,10 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
 
   void interpolate(double theta, double* position, double* velocity,
                    double* integrals) const override {
-    const double place = when(theta * taken_);
-    state_within(place, position, velocity);
+    const double fraction = when(theta * taken_);
+    state_within(fraction, position, velocity);
     const SystemView<double>& view = system_.view;
-    const auto weight = integral_weights(place);
+    const auto weight = integral_weights(fraction);
     for (std::size_t k = 0; k < view.rates; ++k) {
       double sum = 0.0;
       for (std::size_t j = 0; j < kRateNodes; ++j) {
@@ -262,7 +262,7 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
   /// A point of the curve relative to the step's start; slopes are with respect to the length along
   /// the first tangent.
   struct Node {
-    std::vector<double> place;
+    std::vector<double> position;
     std::vector<double> slope;
     double time = 0.0;
     double time_slope = 0.0;
@@ -360,8 +360,9 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
       if (!balance_.descend(offset.data(), now)) return false;
       balance_.linearise(offset.data(), now);
       balance_.find_neutral();
-      const bool sound = balance_.polish(offset.data(), now);
-      if (sound && (n_ == 0 || (balance_.factor(nullptr) && balance_.negative() == 0))) return true;
+      const bool polished = balance_.polish(offset.data(), now);
+      if (polished && (n_ == 0 || (balance_.factor(nullptr) && balance_.negative() == 0)))
+        return true;
       if (kicks == kMostKicks) return false;
       decided = false;
       choose_kick(offset, now);
@@ -422,7 +423,7 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
     }
     for (double& x : kick_) x *= side * kOffUnstable;
     if (!undecided) return;
-    // Both sides, from the same place.
+    // Both sides, from the same point.
     std::vector<double>& one = foretold_;
     std::vector<double>& another = other_;
     const std::vector<double> kick = kick_;
@@ -478,7 +479,7 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
   void begin_branch(double since, double ahead) {
     const double h = ahead > 0.0 ? ahead : tolerance_scales(system_.view).time;
     balance_.start_at(since);
-    std::vector<double>& here = nodes_[0].place;
+    std::vector<double>& here = nodes_[0].position;
     std::fill(here.begin(), here.end(), 0.0);
     balance_.linearise(here.data(), since);
     balance_.find_neutral();
@@ -520,7 +521,7 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
     const double waited = speed() * control_[kTimeSlope];
     const double norm = std::sqrt(moved * moved + waited * waited);
     for (std::size_t k = 0; k < n_; ++k) {
-      first.place[k] = 0.0;
+      first.position[k] = 0.0;
       first.slope[k] = slope_[k] / norm;
       across_[k] = first.slope[k] / (balance_.unit(k) * balance_.unit(k));
     }
@@ -537,10 +538,10 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
     for (std::size_t j = 1; j < kPathNodes; ++j) {
       const HermiteWeights weights(j, path_node(j));
       Node& node = nodes_[j];
-      combine(weights.value, weights.slope, j, node.place.data(), node.time);
+      combine(weights.value, weights.slope, j, node.position.data(), node.time);
       const bool last = j + 1 == kPathNodes;
       if (last) {
-        foretold_ = node.place;
+        foretold_ = node.position;
         foretold_time_ = node.time;
       }
       const bool at_time = last && end_time;
@@ -550,7 +551,7 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
       if (!find_tangent(node)) return std::nullopt;
     }
     const Node& last = nodes_[kPathNodes - 1];
-    for (std::size_t k = 0; k < n_; ++k) correction_[k] = last.place[k] - foretold_[k];
+    for (std::size_t k = 0; k < n_; ++k) correction_[k] = last.position[k] - foretold_[k];
     double error = n_ > 0 ? balance_.largest(correction_.data()) : 0.0;
     error = std::max(error, speed() * std::abs(last.time - foretold_time_));
     return kBetterThanForetold * error / std::max(d_.tolerance, kAboveNoise * balance_.noise());
@@ -563,13 +564,13 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
     const double enough = std::max(std::clamp(0.1 * d_.tolerance, kRounding, kClose), noise);
     if (n_ == 0) {
       if (!at_time) node.time = length / across_time_;
-      balance_.evaluate(node.place.data(), since_ + node.time);
+      balance_.evaluate(node.position.data(), since_ + node.time);
       return true;
     }
     for (int k = 0; k < kMostCorrections; ++k) {
-      balance_.linearise(node.place.data(), since_ + node.time);
+      balance_.linearise(node.position.data(), since_ + node.time);
       double off = length - across_time_ * node.time;
-      for (std::size_t i = 0; i < n_; ++i) off = std::fma(-across_[i], node.place[i], off);
+      for (std::size_t i = 0; i < n_; ++i) off = std::fma(-across_[i], node.position[i], off);
       double in_time = 0.0;
       if (!solve_plane(off, at_time, in_time)) return false;
       const double size =
@@ -578,10 +579,10 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
         return false;
       }
       if (size <= kRounding) return true;
-      for (std::size_t i = 0; i < n_; ++i) node.place[i] += correction_[i];
+      for (std::size_t i = 0; i < n_; ++i) node.position[i] += correction_[i];
       node.time += in_time;
       if (size <= enough) {
-        balance_.evaluate(node.place.data(), since_ + node.time);
+        balance_.evaluate(node.position.data(), since_ + node.time);
         return true;
       }
       before = size;
@@ -626,7 +627,7 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
       node.time_slope = 1.0 / across_time_;
       return true;
     }
-    balance_.time_derivative(node.place.data(), since_ + node.time, control_[kFirstPace],
+    balance_.time_derivative(node.position.data(), since_ + node.time, control_[kFirstPace],
                              force_in_time_);
     if (!balance_.factor(across_.data())) return false;
     const double weight = balance_.stiffness_scale();
@@ -684,10 +685,10 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
     return 2.0;
   }
 
-  static double last_before(double place) {
+  static double last_before(double theta) {
     double before = 0.0;
     for (std::size_t j = 1; j < kPathNodes; ++j) {
-      if (path_node(j) < place) before = path_node(j);
+      if (path_node(j) < theta) before = path_node(j);
     }
     return before;
   }
@@ -697,7 +698,7 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
     return error && *error <= 1.0 ? kGoesOn : kFailed;
   }
 
-  /// The time of a fold is stationary: an error of its place counts squared.
+  /// The time of a fold is stationary: an error of its position counts squared.
   End end_at_fold(double theta) {
     double length = theta * length_;
     for (int tries = 0; tries < kMostFoldTries; ++tries) {
@@ -738,9 +739,9 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
     for (std::size_t j = 0; j < kPathNodes; ++j) {
       Node& node = part[j];
       const HermiteWeights weights(kPathNodes, theta * path_node(j));
-      node.place.resize(n_);
+      node.position.resize(n_);
       node.slope.resize(n_);
-      combine(weights.value, weights.slope, kPathNodes, node.place.data(), node.time);
+      combine(weights.value, weights.slope, kPathNodes, node.position.data(), node.time);
       combine(weights.value_of_slope, weights.slope_of_slope, kPathNodes, node.slope.data(),
               node.time_slope);
       for (double& slope : node.slope) slope /= length_;
@@ -749,29 +750,29 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
     nodes_ = std::move(part);
     length_ *= theta;
     for (std::size_t j = 1; j < kPathNodes; ++j) {
-      balance_.evaluate(nodes_[j].place.data(), since_ + nodes_[j].time);
+      balance_.evaluate(nodes_[j].position.data(), since_ + nodes_[j].time);
       copy(balance_.rates(), system_.view.rates, rates_of_step_[2 * j].data());
     }
   }
 
-  /// The first place in (0, 1] where a function that starts above zero reaches it; 2 where it does
+  /// The first theta in (0, 1] where a function that starts above zero reaches it; 2 where it does
   /// not. A dip between two looks is found by its lowest point.
   template <class Function>
   static double first_zero(Function function) {
-    double places[3] = {0.0, 0.0, 0.0};
+    double thetas[3] = {0.0, 0.0, 0.0};
     double values[3] = {0.0, 0.0, 0.0};
     for (int k = 0; k <= kLooks; ++k) {
       const double theta = static_cast<double>(k) / kLooks;
-      std::rotate(places, places + 1, places + 3);
+      std::rotate(thetas, thetas + 1, thetas + 3);
       std::rotate(values, values + 1, values + 3);
-      places[2] = theta;
+      thetas[2] = theta;
       values[2] = function(theta);
       if (k == 0) continue;
       if (k > 1 && values[1] < values[0] && values[1] < values[2] && values[2] > 0.0) {
-        const double lowest = lowest_point(function, places[0], places[2]);
-        if (function(lowest) <= 0.0) return crossing(function, places[0], lowest);
+        const double lowest = lowest_point(function, thetas[0], thetas[2]);
+        if (function(lowest) <= 0.0) return crossing(function, thetas[0], lowest);
       }
-      if (values[2] <= 0.0) return crossing(function, places[1], places[2]);
+      if (values[2] <= 0.0) return crossing(function, thetas[1], thetas[2]);
     }
     return 2.0;
   }
@@ -824,14 +825,14 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
   /// A branch may begin where the scene is soft and moves fast. As long as the way weighs more than
   /// time does, the curve has no sharp bends.
   void slow_down(const Node& last) {
-    const double moved = n_ > 0 ? balance_.norm(last.place.data()) : 0.0;
+    const double moved = n_ > 0 ? balance_.norm(last.position.data()) : 0.0;
     const double slowest = kSlowest * control_[kFirstPace];
     if (control_[kPace] * moved < taken_) {
       control_[kPace] = moved * slowest > taken_ ? taken_ / moved : slowest;
     }
   }
 
-  /// Rates at the places between the nodes, on the polynomial.
+  /// Rates at the points between the nodes, on the polynomial.
   void evaluate_between() {
     for (std::size_t j = 0; j < kRateNodes; ++j) {
       if (j % 2 == 0) {
@@ -850,15 +851,15 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
   // ---- within a step
 
   template <class Weights>
-  void combine(const Weights& value, const Weights& slope, std::size_t count, double* place,
+  void combine(const Weights& value, const Weights& slope, std::size_t count, double* position,
                double& time) const {
     time = 0.0;
-    for (std::size_t k = 0; k < n_; ++k) place[k] = 0.0;
+    for (std::size_t k = 0; k < n_; ++k) position[k] = 0.0;
     for (std::size_t j = 0; j < count; ++j) {
       const Node& node = nodes_[j];
       time += value[j] * node.time + length_ * slope[j] * node.time_slope;
       for (std::size_t k = 0; k < n_; ++k) {
-        place[k] += value[j] * node.place[k] + length_ * slope[j] * node.slope[k];
+        position[k] += value[j] * node.position[k] + length_ * slope[j] * node.slope[k];
       }
     }
   }
@@ -909,15 +910,15 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
     std::fill(velocity, velocity + view.dofs, 0.0);
     const auto& coordinates = system_.tangent->coordinates();
     for (std::size_t k = 0; k < n_; ++k) {
-      double place = 0.0;
+      double offset = 0.0;
       double slope = 0.0;
       for (std::size_t j = 0; j < kPathNodes; ++j) {
         const Node& node = nodes_[j];
-        place += weights.value[j] * node.place[k] + length_ * weights.slope[j] * node.slope[k];
-        slope += weights.value_of_slope[j] * node.place[k] / length_ +
+        offset += weights.value[j] * node.position[k] + length_ * weights.slope[j] * node.slope[k];
+        slope += weights.value_of_slope[j] * node.position[k] / length_ +
                  weights.slope_of_slope[j] * node.slope[k];
       }
-      position[coordinates[k]] += place;
+      position[coordinates[k]] += offset;
       velocity[coordinates[k]] = slope * per_time;
     }
   }

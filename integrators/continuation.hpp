@@ -19,11 +19,11 @@
 ///
 /// Where the curve turns back in time, or K gets a negative eigenvalue (a bifurcation), the scene
 /// slips: from a first displacement along the way of instability it follows G dq/dt = F(q) at a
-/// fixed place of the drivers, with its own friction matrix G if that reaches all coordinates, else
-/// with one in proportion to mass, until it rests. The energy lost is that before less that after.
-/// The start of a run is relaxed in the same way, and is no slip. If it rests where it is unstable
-/// it is displaced by 1e-4 of the allowed move of a coordinate, along the way that the drivers are
-/// going to push it, with a thousandth of that in random directions (always the same).
+/// fixed position of the drivers, with its own friction matrix G if that reaches all coordinates,
+/// else with one in proportion to mass, until it rests. The energy lost is that before less that
+/// after. The start of a run is relaxed in the same way, and is no slip. If it rests where it is
+/// unstable it is displaced by 1e-4 of the allowed move of a coordinate, along the way that the
+/// drivers are going to push it, with a thousandth of that in random directions (always the same).
 ///
 /// Where stability is lost at a bifurcation the scene goes to the side that the force along the
 /// direction of instability points to, also where that is as small as 1e-14 of the typical

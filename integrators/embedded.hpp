@@ -124,8 +124,8 @@ class EmbeddedPair : public Integrator<Real> {
       next = next_after_refusal(law, trial_step, trial.error,
                                 kernels_.refused_factor(law, trial.error));
       if (!(next >= d_.smallest_step)) {
-        const bool sound = trial.within_moves && std::isfinite(trial.error);
-        return {0.0, sound ? StepFault::step_too_small : StepFault::not_finite_or_too_far};
+        const bool valid = trial.within_moves && std::isfinite(trial.error);
+        return {0.0, valid ? StepFault::step_too_small : StepFault::not_finite_or_too_far};
       }
     }
   }

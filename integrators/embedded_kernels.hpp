@@ -300,11 +300,11 @@ struct EmbeddedKernels {
   template <class Real>
   TOMLIN_INLINE static bool finite(const Real* x, std::size_t n) {
     using Group = Packed<Real>;
-    auto sound = first_lanes_of<Group>(kGroup);
+    auto finite = first_lanes_of<Group>(kGroup);
     for (std::size_t i = 0; i < n; i += kGroup) {
-      sound = sound & (abs(Group::load(x + i)) < Group(Real(__builtin_inf())));
+      finite = finite & (abs(Group::load(x + i)) < Group(Real(__builtin_inf())));
     }
-    return all(sound);
+    return all(finite);
   }
 
   template <bool inertial, class Real>
@@ -490,14 +490,14 @@ struct EmbeddedKernels {
       evaluate_stage_in_lanes<kEnd, inertial>(s, w, l);
       const double* slope = inertial ? w.acceleration[kEnd] : w.velocity[kEnd];
       for (std::size_t lane = 0; lane < l.width; lane += kGroup) {
-        auto sound = first_lanes_of<Pack>(kGroup);
+        auto finite = first_lanes_of<Pack>(kGroup);
         for (std::size_t k = 0; k < l.coordinates; ++k) {
-          sound = sound & (abs(Pack::load(slope + k * l.width + lane)) < Pack(__builtin_inf()));
+          finite = finite & (abs(Pack::load(slope + k * l.width + lane)) < Pack(__builtin_inf()));
         }
         // They decide in a lane that has accepted, as moves do.
         const Pack accepts = Pack::load(l.accepted + lane);
         const auto was = accepts == Pack(1.0);
-        const Pack still = select(sound, accepts, Pack(0.0));
+        const Pack still = select(finite, accepts, Pack(0.0));
         select(was, still, Pack::load(l.within_moves + lane)).store(l.within_moves + lane);
         still.store(l.accepted + lane);
       }

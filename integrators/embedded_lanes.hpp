@@ -182,8 +182,8 @@ class EmbeddedPairLanes : public AdaptiveLanes {
     own.refused = true;
     own.next = next_after_refusal(control_law_, step_[k], error, call_.refused_factor[k]);
     if (own.next >= own.smallest_step) return result;
-    const bool sound = call_.within_moves[k] == 1.0 && std::isfinite(error);
-    result.fault = sound ? StepFault::step_too_small : StepFault::not_finite_or_too_far;
+    const bool valid = call_.within_moves[k] == 1.0 && std::isfinite(error);
+    result.fault = valid ? StepFault::step_too_small : StepFault::not_finite_or_too_far;
     return failed(k, result);
   }
 

@@ -110,15 +110,15 @@ void Equilibrium::run_operations(const double* own, double t) {
 void Equilibrium::advance_own(double t) {
   const std::size_t count = system_.view.own_count;
   if (count == 0) return;
-  constexpr double kPlace[] = {0.046910077030668004, 0.23076534494715845, 0.5, 0.7692346550528415,
-                               0.953089922969332};
+  constexpr double kNode[] = {0.046910077030668004, 0.23076534494715845, 0.5, 0.7692346550528415,
+                              0.953089922969332};
   constexpr double kShare[] = {0.11846344252809454, 0.23931433524968324, 0.28444444444444444,
                                0.23931433524968324, 0.11846344252809454};
   std::copy(own_start_.begin(), own_start_.end(), own_.begin());
   const double length = t - since_;
   if (length == 0.0) return;
-  for (std::size_t j = 0; j < std::size(kPlace); ++j) {
-    run_operations(own_start_.data(), since_ + kPlace[j] * length);
+  for (std::size_t j = 0; j < std::size(kNode); ++j) {
+    run_operations(own_start_.data(), since_ + kNode[j] * length);
     for (std::size_t k = 0; k < count; ++k) own_[k] += kShare[j] * length * rates_[k];
   }
 }

@@ -33,10 +33,10 @@ class Equilibrium {
   /// null: none. Rates do not know of it.
   void apply(const double* steady) { steady_ = steady; }
 
-  /// Places are told relative to the present state from now on; times are counted from the anchor,
-  /// and the present one is `since`.
+  /// Positions are told relative to the present state from now on; times are counted from the
+  /// anchor, and the present one is `since`.
   void start_at(double since);
-  /// Evaluates at a place and time: force(), and rates() of the running integrals.
+  /// Evaluates at a position and time: force(), and rates() of the running integrals.
   void evaluate(const double* offset, double t);
   /// Evaluates K, too.
   void linearise(const double* offset, double t);
@@ -44,7 +44,7 @@ class Equilibrium {
   const double* force() const { return force_.data(); }
   const double* rates() const { return rates_.data(); }
 
-  /// dF/dt at the place and time of the last evaluation, [n]. The scene moves by about a natural
+  /// dF/dt at the position and time of the last evaluation, [n]. The scene moves by about a natural
   /// unit in the time `pace`. Forces that change in proportion to time take one evaluation more.
   void time_derivative(const double* offset, double t, double pace, double* result);
   /// Finds out whether they do so here.
@@ -63,7 +63,7 @@ class Equilibrium {
   /// of those that something does. They are kept in `control`, see attach().
   void find_neutral();
   /// How far rounding of forces displaces an equilibrium along its softest direction, in natural
-  /// units: places are known no better. Measured by find_neutral().
+  /// units: positions are known no better. Measured by find_neutral().
   double noise() const { return control_[kNoise]; }
   std::size_t neutral() const { return static_cast<std::size_t>(control_[kNeutral]); }
   /// Direction k, of norm 1.

@@ -6,8 +6,8 @@
 ///
 ///   x <- x + h F(x, t)/c + sqrt(2 T h/c) z,  z a normal number of each coordinate and step
 ///
-/// Averages, and each path against the exact one (the noise does not depend on the place), are of
-/// first order: a harmonic oscillator of relaxation rate lambda has the variance of positions
+/// Averages, and each path against the exact one (the noise does not depend on the position), are
+/// of first order: a harmonic oscillator of relaxation rate lambda has the variance of positions
 /// T/k / (1 - h lambda/2), which is warned of where it is wrong by a tenth. Drift and diffusion of
 /// free particles are exact. Stable below h lambda = 2.
 ///

@@ -187,8 +187,8 @@ class FixedStepDrift : public FixedStepBase<Real> {
     std::copy(arrays_.rates[0], arrays_.rates[0] + system_.view.rates, start_rates_);
     system_.evaluations += stages_;
     last_ = h;
-    const bool sound = kernels_.drift(system_.view, arrays_, since, h);
-    if (!sound) return {0.0, StepFault::not_finite_or_too_far};
+    const bool valid = kernels_.drift(system_.view, arrays_, since, h);
+    if (!valid) return {0.0, StepFault::not_finite_or_too_far};
     return {h, StepFault::none};
   }
 

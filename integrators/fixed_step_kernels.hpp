@@ -118,19 +118,19 @@ struct FixedStepKernels {
 
     const Steps<kStages, Real> steps(h);
     // First see whether the step is valid, so that a failed one leaves the state as it was.
-    auto sound = first_lanes_of<Group>(kGroup);
+    auto valid = first_lanes_of<Group>(kGroup);
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
       const auto acceleration = slopes_at<kStages - 1>(s, w, i);
       const Group move =
           steps.move(Group::load(s.velocity + i), Group::load(w.stage_velocity + i), acceleration);
       const Group change = Row<kStages>::of(acceleration);
       // A NaN in either fails the comparison; inf - inf and 0 * inf give one.
-      sound = sound & (abs(move) <= Group::load(s.largest_move + i)) &
+      valid = valid & (abs(move) <= Group::load(s.largest_move + i)) &
               (abs(change) < Group(Real(__builtin_inf())));
       move.store(w.stage_position + i);
       change.store(w.stage_velocity + i);
     }
-    if (!all(sound)) return false;
+    if (!all(valid)) return false;
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
       (Group::load(s.position + i) + Group::load(w.stage_position + i)).store(s.position + i);
       fma(Group(steps.slope), Group::load(w.stage_velocity + i), Group::load(s.velocity + i))
@@ -155,13 +155,13 @@ struct FixedStepKernels {
     later_stages<1, false>(s, w, since, h);
 
     const Steps<kStages, Real> steps(h);
-    auto sound = first_lanes_of<Group>(kGroup);
+    auto valid = first_lanes_of<Group>(kGroup);
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
       const Group move = Group(steps.slope) * Row<kStages>::of(slopes_at<kStages - 1>(s, w, i));
-      sound = sound & (abs(move) <= Group::load(s.largest_move + i));
+      valid = valid & (abs(move) <= Group::load(s.largest_move + i));
       move.store(w.stage_position + i);
     }
-    if (!all(sound)) return false;
+    if (!all(valid)) return false;
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
       (Group::load(s.position + i) + Group::load(w.stage_position + i)).store(s.position + i);
     }
@@ -193,7 +193,7 @@ struct FixedStepKernels {
       starts.positions[taken] = x;
       starts.velocities[taken] = v;
       const auto step = point_step(particle, x, v, since, h, first_rates, stage_rates);
-      if (!step.sound(largest_move)) break;
+      if (!step.valid(largest_move)) break;
       x += step.move;
       v = fma(step.slope, step.change, v);
       for (std::size_t k = 0; k < s.used_rates; ++k) {
@@ -212,7 +212,7 @@ struct FixedStepKernels {
     const SystemView<double> s = system;
     const LaneRows to = rows;
     const Replicas replicas(s);
-    auto sound = first_lanes_of<Pack>(kGroup);
+    auto valid = first_lanes_of<Pack>(kGroup);
     for (std::size_t taken = 0; taken < count; ++taken) {
       const double since = static_cast<double>(taken) * h;
       for (std::size_t lane = 0; lane < s.dofs; lane += kGroup) {
@@ -223,7 +223,7 @@ struct FixedStepKernels {
         Pack rates[kMostFixedStages][Replicas::kRates];
         const auto step =
             point_step(replicas.particle(s, lane), at, velocity, since, h, rates[0], rates);
-        sound = sound & step.sound(Pack::load(s.largest_move + lane));
+        valid = valid & step.valid(Pack::load(s.largest_move + lane));
         (at + step.move).store(x + s.dofs);
         fma(step.slope, step.change, velocity).store(v + s.dofs);
         for (std::size_t k = 0; k < Replicas::kRates; ++k) {
@@ -233,7 +233,7 @@ struct FixedStepKernels {
         }
       }
     }
-    return all(sound);
+    return all(valid);
   }
 
   template <class Real>
@@ -366,7 +366,7 @@ struct FixedStepKernels {
   struct PointStep {
     Number move, change, slope;
 
-    TOMLIN_INLINE auto sound(const Number& largest_move) const {
+    TOMLIN_INLINE auto valid(const Number& largest_move) const {
       return (abs(move) <= largest_move) & (abs(change) < Number(__builtin_inf()));
     }
   };

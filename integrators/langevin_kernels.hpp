@@ -23,15 +23,15 @@ struct LangevinKernels : CompositionKernels<VerletScheme> {
   TOMLIN_INLINE static bool move(const SystemView<Real>& s, const CompositionArrays<Real>& w,
                                  Real h, bool first) {
     using Group = Packed<Real>;
-    auto sound = first_lanes_of<Group>(kGroup);
+    auto valid = first_lanes_of<Group>(kGroup);
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
       const Group way = Group(h) * Group::load(w.velocity + i);
       const Group so_far = first ? way : Group::load(w.move + i) + way;
-      sound = sound & (abs(so_far) <= Group::load(s.largest_move + i));
+      valid = valid & (abs(so_far) <= Group::load(s.largest_move + i));
       so_far.store(w.move + i);
       (Group::load(s.position + i) + so_far).store(w.position + i);
     }
-    return all(sound);
+    return all(valid);
   }
 
   template <class Real>
@@ -54,10 +54,10 @@ struct LangevinKernels : CompositionKernels<VerletScheme> {
       return Pack(0.5) * (v * v * Pack::load(w.mass + body.first + lane));
     }
     LaneSum total;
-    const std::size_t* place = w.places + body.first / w.lanes;
+    const std::size_t* index = w.indices + body.first / w.lanes;
     for (std::size_t i = body.first + lane; i < body.first + body.length; i += w.lanes) {
       const Pack v = Pack::load(w.velocity + i);
-      total.add(*place++, v * v * Pack::load(w.mass + i));
+      total.add(*index++, v * v * Pack::load(w.mass + i));
     }
     return Pack(0.5) * total.total(body.length / w.lanes);
   }

@@ -161,7 +161,8 @@ double mode_heat(const ModeFlow& flow, double square, double rate, double u, dou
 
 ModalBody::ModalBody(const ElasticBody& body)
     : body_(body), bonded_(!body.modes.empty()), n_(body.size()) {
-  for (Vector* v : {&place_, &before_, &velocity_, &force_, &rotated_, &q_, &p_, &g_, &beyond_}) {
+  for (Vector* v :
+       {&position_, &before_, &velocity_, &force_, &rotated_, &q_, &p_, &g_, &beyond_}) {
     v->assign(n_, 0.0);
   }
   if (!bonded_) return;
@@ -231,7 +232,7 @@ bool ModalBody::keeps_shape(double& other) {
   for (const Spring& spring : springs_) {
     const std::size_t i = spring.first;
     const std::size_t j = spring.second;
-    const double s[2] = {place_[j] - place_[i], place_[count + j] - place_[count + i]};
+    const double s[2] = {position_[j] - position_[i], position_[count + j] - position_[count + i]};
     const double u[2] = {s[0] - spring.apart[0], s[1] - spring.apart[1]};
     const double length = sqrt(fma(s[0], s[0], s[1] * s[1]));
     const double pull =
@@ -400,23 +401,23 @@ void ModalBody::find_motion() {
   double momentum = 0.0;
   double inertia = 0.0;
   for (std::size_t i = 0; i < count; ++i) {
-    const double x = place_[i];
-    const double y = place_[count + i];
+    const double x = position_[i];
+    const double y = position_[count + i];
     const double m = body_.mass[i];
     momentum += m * (x * velocity_[count + i] - y * velocity_[i]);
     inertia += m * (x * x + y * y);
   }
   spin_ = inertia > 0.0 ? momentum / inertia : 0.0;
   for (std::size_t i = 0; i < count; ++i) {
-    velocity_[i] += spin_ * place_[count + i];
-    velocity_[count + i] -= spin_ * place_[i];
+    velocity_[i] += spin_ * position_[count + i];
+    velocity_[count + i] -= spin_ * position_[i];
   }
 }
 
-/// p_ += half * rate^2 r, filtered, r being place_.
+/// p_ += half * rate^2 r, filtered, r being position_.
 void ModalBody::centrifugal_kick(double rate, double half) {
   if (rate == 0.0) return;
-  to_modes(place_, g_);
+  to_modes(position_, g_);
   for (std::size_t j = 0; j < n_; ++j) {
     p_[j] += half * flows_[j].filter * rate * rate * g_[j];
   }
@@ -429,14 +430,14 @@ double ModalBody::enter(const double* position, const double* velocity, const do
   for (int d = 0; d < body_.axes; ++d) {
     const double* x = position + body_.offset + d * body_.stride;
     for (std::size_t i = 0; i < body_.count; ++i) {
-      place_[d * body_.count + i] = x[i] - centre_[d];
+      position_[d * body_.count + i] = x[i] - centre_[d];
     }
   }
-  turn(place_, -sine_, cosine_);
+  turn(position_, -sine_, cosine_);
   to_frame(velocity, velocity_);
   to_frame(force, force_);
   if (bonded_) {
-    for (std::size_t k = 0; k < n_; ++k) rotated_[k] = place_[k] - body_.shape[k];
+    for (std::size_t k = 0; k < n_; ++k) rotated_[k] = position_[k] - body_.shape[k];
     to_modes(rotated_, q_);
   }
   return first_kick();
@@ -451,14 +452,14 @@ void ModalBody::flow(double h, double* move, double* velocity) {
     }
   };
   if (!bonded_) {
-    for (std::size_t k = 0; k < n_; ++k) place_[k] = whole_.b * velocity_[k];
+    for (std::size_t k = 0; k < n_; ++k) position_[k] = whole_.b * velocity_[k];
     for (std::size_t k = 0; k < n_; ++k) velocity_[k] *= whole_.d;
-    put(place_, move);
+    put(position_, move);
     put(velocity_, velocity);
     return;
   }
   find_motion();
-  before_ = place_;
+  before_ = position_;
   const double last_spin = spin_ * whole_.d;
   const double angle = spin_ * whole_.b;
 
@@ -479,8 +480,8 @@ void ModalBody::flow(double h, double* move, double* velocity) {
     q_[j] = body_.equilibrium[j] + (f.a * u + f.b * p);
     p_[j] = f.c * u + f.d * p;
   }
-  from_modes(q_, place_);
-  for (std::size_t k = 0; k < n_; ++k) place_[k] += body_.shape[k];
+  from_modes(q_, position_);
+  for (std::size_t k = 0; k < n_; ++k) position_[k] += body_.shape[k];
   from_modes(p_, velocity_);
   sine_cosine(-mean_spin * h, sine, cosine);
   turn(velocity_, sine, cosine);
@@ -490,11 +491,11 @@ void ModalBody::flow(double h, double* move, double* velocity) {
 
   // Back: the frame has moved and turned.
   for (std::size_t i = 0; i < count && body_.turns; ++i) {
-    velocity_[i] -= last_spin * place_[count + i];
-    velocity_[count + i] += last_spin * place_[i];
+    velocity_[i] -= last_spin * position_[count + i];
+    velocity_[count + i] += last_spin * position_[i];
   }
   sine_cosine(angle, sine, cosine);
-  rotated_ = place_;
+  rotated_ = position_;
   turn(rotated_, sine, cosine);
   turn(velocity_, sine, cosine);
   for (int d = 0; d < body_.axes; ++d) {

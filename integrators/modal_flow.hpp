@@ -102,7 +102,7 @@ class ModalBody {
   double speed_[3] = {};  ///< in the frame
   double spin_ = 0.0;
 
-  Vector place_;  ///< in the frame, from the centre
+  Vector position_;  ///< in the frame, from the centre
   Vector before_;
   Vector velocity_;  ///< in the frame; without the frame's own after find_motion()
   Vector force_;

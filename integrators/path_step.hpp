@@ -5,7 +5,7 @@
 
 /// Interpolation within one step along a path. The step's parameter theta runs from 0 to 1.
 ///
-/// Places and slopes are known at five Chebyshev points: Hermite's polynomial of degree 9. Rates
+/// Positions and slopes are known at five Chebyshev points: Hermite's polynomial of degree 9. Rates
 /// are known at nine, of which those are every other one: the polynomial of degree 8, whose
 /// integral over the whole step is the rule of Clenshaw and Curtis.
 namespace tomlin {
@@ -74,14 +74,14 @@ inline std::array<double, kRateNodes> rate_weights(double theta) {
 /// Weights of the nine rates for the integral of their polynomial from 0 to theta: Gauss' rule of
 /// five points, which is exact for it.
 inline std::array<double, kRateNodes> integral_weights(double theta) {
-  constexpr std::array<double, 5> place = {0.046910077030668004, 0.23076534494715845, 0.5,
-                                           0.7692346550528415, 0.953089922969332};
+  constexpr std::array<double, 5> node = {0.046910077030668004, 0.23076534494715845, 0.5,
+                                          0.7692346550528415, 0.953089922969332};
   constexpr std::array<double, 5> share = {0.11846344252809454, 0.23931433524968324,
                                            0.28444444444444444, 0.23931433524968324,
                                            0.11846344252809454};
   std::array<double, kRateNodes> weight{};
-  for (std::size_t k = 0; k < place.size(); ++k) {
-    const auto here = rate_weights(theta * place[k]);
+  for (std::size_t k = 0; k < node.size(); ++k) {
+    const auto here = rate_weights(theta * node[k]);
     for (std::size_t j = 0; j < kRateNodes; ++j) weight[j] += theta * share[k] * here[j];
   }
   return weight;

@@ -156,8 +156,8 @@ class Radau9 : public Integrator<double> {
       }
       next = trial_step * factor;
       if (!(next >= d_.smallest_step)) {
-        const bool sound = trial.within_moves && !std::isnan(trial.error);
-        return {0.0, sound ? StepFault::step_too_small : StepFault::not_finite_or_too_far};
+        const bool valid = trial.within_moves && !std::isnan(trial.error);
+        return {0.0, valid ? StepFault::step_too_small : StepFault::not_finite_or_too_far};
       }
     }
   }

@@ -86,14 +86,14 @@ class EllipseArc {
 
   /// Sine and cosine of the angle up to which a part of the quarter reaches, 0 to 1.
   void find(double part, double& sine, double& cosine) const {
-    const double due = part * quarter_;
+    const double wanted = part * quarter_;
     // The length bends downwards, and is at most the angle: Newton's steps approach from below,
     // and never pass the angle but by rounding.
-    double turns = due / kTau;
+    double turns = wanted / kTau;
     for (;;) {
       sincos_turns(turns, sine, cosine);
       const double slope = kTau * sqrt(speed_squared(sine, cosine));
-      const double next = std::min(turns + (due - length(sine, cosine)) / slope, 0.25);
+      const double next = std::min(turns + (wanted - length(sine, cosine)) / slope, 0.25);
       if (!(next > turns)) return;
       turns = next;
     }

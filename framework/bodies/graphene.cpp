@@ -77,7 +77,7 @@ std::vector<Complaint> complaints(const Description& d, int dimension) {
   return found;
 }
 
-/// The cells of a sheet by row of cells and by place in the row.
+/// The cells of a sheet by row of cells and by index in the row.
 class SheetCells {
  public:
   explicit SheetCells(const Description& d)
@@ -87,8 +87,8 @@ class SheetCells {
   std::int64_t in_row() const { return in_row_; }
 
   /// Rows are numbered there and back.
-  std::int64_t particle(std::int64_t row, std::int64_t place, std::int64_t k) const {
-    const std::int64_t way = row % 2 == 0 ? place : in_row_ - 1 - place;
+  std::int64_t particle(std::int64_t row, std::int64_t index, std::int64_t k) const {
+    const std::int64_t way = row % 2 == 0 ? index : in_row_ - 1 - index;
     return (row * in_row_ + way) * kPerCell + k;
   }
 
@@ -104,16 +104,16 @@ std::vector<IndexPair> neighbours(const Description& d, const std::array<double,
   const bool closed_across = fills_box(length_of(d, 1 - along), box[1 - along]);
   std::vector<IndexPair> pairs;
   for (std::int64_t row = 0; row < cells.rows(); ++row) {
-    for (std::int64_t place = 0; place < cells.in_row(); ++place) {
-      const auto here = [&](std::int64_t k) { return cells.particle(row, place, k); };
+    for (std::int64_t index = 0; index < cells.in_row(); ++index) {
+      const auto here = [&](std::int64_t k) { return cells.particle(row, index, k); };
       pairs.push_back({here(0), here(1)});
       pairs.push_back({here(1), here(2)});
       pairs.push_back({here(2), here(3)});
       if (closed_along || row + 1 < cells.rows()) {
-        pairs.push_back({here(3), cells.particle((row + 1) % cells.rows(), place, 0)});
+        pairs.push_back({here(3), cells.particle((row + 1) % cells.rows(), index, 0)});
       }
-      if (closed_across || place + 1 < cells.in_row()) {
-        const std::int64_t next = (place + 1) % cells.in_row();
+      if (closed_across || index + 1 < cells.in_row()) {
+        const std::int64_t next = (index + 1) % cells.in_row();
         pairs.push_back({here(1), cells.particle(row, next, 0)});
         pairs.push_back({here(2), cells.particle(row, next, 3)});
       }
@@ -138,13 +138,13 @@ BodyGeometry build(const Description& d, int) {
   geometry.anchor = centre_or_origin(d.centre);
   geometry.relative.assign(static_cast<std::size_t>(count(d)), std::vector<double>(3, 0.0));
   for (std::int64_t row = 0; row < cells.rows(); ++row) {
-    for (std::int64_t place = 0; place < cells.in_row(); ++place) {
+    for (std::int64_t index = 0; index < cells.in_row(); ++index) {
       for (std::int64_t k = 0; k < kPerCell; ++k) {
         const auto atom = static_cast<std::size_t>(k);
         const std::int64_t s = kAlong[atom] - 2 + 6 * row - 3 * (cells.rows() - 1);
-        const std::int64_t t = 2 * kRow[atom] - 1 + 4 * place - 2 * (cells.in_row() - 1);
+        const std::int64_t t = 2 * kRow[atom] - 1 + 4 * index - 2 * (cells.in_row() - 1);
         std::vector<double>& x =
-            geometry.relative[static_cast<std::size_t>(cells.particle(row, place, k))];
+            geometry.relative[static_cast<std::size_t>(cells.particle(row, index, k))];
         x[along] = 0.5 * static_cast<double>(s) * d.bond_length;
         x[1 - along] = kQuarterRoot3 * static_cast<double>(t) * d.bond_length;
       }

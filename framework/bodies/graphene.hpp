@@ -16,7 +16,7 @@
 /// their number, continues the sheet without a seam: "neighbours" are then those through it, too.
 ///
 /// Particles are numbered cell by cell, in rows of cells along t, there and back: the cells of
-/// eight consecutive particles always share a side. Places are whole multiples of b/2 and of
+/// eight consecutive particles always share a side. Positions are whole multiples of b/2 and of
 /// sqrt(3) b/4 from the middle, rounded once or twice.
 ///
 /// Source: A. H. Castro Neto, F. Guinea, N. M. R. Peres, K. S. Novoselov and A. K. Geim, Rev. Mod.

@@ -60,7 +60,7 @@ with two particles almost touching:
   number types, digits        and every number type, each to its own rounding
 
 Where all holds that is said in one line; --verbose shows every check, with its largest error and what
-is allowed there. A property that does not hold is shown with the state, particle, place and time where
+is allowed there. A property that does not hold is shown with the state, particle, position and time where
 it broke, and with both numbers. "unseen": no state of the scene had anything to compare.
 
 Examples:
@@ -90,7 +90,7 @@ struct Report {
   std::vector<Warning> warnings;
   std::vector<Model::LeftOut> not_built;
 
-  bool sound() const {
+  bool valid() const {
     for (const Check& check : checks) {
       if (!check.holds) return false;
     }
@@ -125,10 +125,10 @@ Json json_of(const PropertyPoint& point) {
               {"body", point.body.empty() ? Json() : Json(point.body)},
               {"particle", point.particle < 0 ? Json() : Json(point.particle)},
               {"coordinate", point.coordinate.empty() ? Json() : Json(point.coordinate)},
-              {"place", point.place},
+              {"place", point.position},
               {"time", point.time},
               {"found", number(point.found)},
-              {"due", number(point.due)}};
+              {"due", number(point.expected)}};
 }
 
 /// One row of the table: states looked at, the worst error and what is allowed there.
@@ -229,14 +229,14 @@ std::string table_of(const Scene& scene, const Report& report, bool all) {
 }
 
 std::string text_of(const Scene& scene, const Report& report, bool verbose) {
-  if (!verbose && report.sound()) return line_of(scene, report);
+  if (!verbose && report.valid()) return line_of(scene, report);
   return table_of(scene, report, verbose);
 }
 
 Json json_of(const Report& report) {
   Json json;
   json["valid"] = true;
-  json["sound"] = report.sound();
+  json["sound"] = report.valid();
   json["checks"] = Json::array();
   for (const Check& check : report.checks) {
     Json entry{{"subject", check.subject}, {"check", check.property}, {"ok", check.holds}};
@@ -271,7 +271,7 @@ int check_scene(const CheckArguments& arguments) {
     const Report report = report_on(scene, arguments.seed);
     const int status = print_result(arguments.json ? json_text(json_of(report))
                                                    : text_of(*scene, report, arguments.verbose));
-    return report.sound() ? status : kExitFailed;
+    return report.valid() ? status : kExitFailed;
   } catch (const InputError& error) {
     if (!arguments.json) throw;
     const int status =

@@ -132,7 +132,7 @@ std::vector<std::string> takers_of(const std::string& key, const std::vector<Des
   }
   const auto takers = takers_of(name, all, tables);
   Fault fault(FaultCode::scene_unknown_component);
-  fault.place.file = "tomlin";
+  fault.location.file = "tomlin";
   if (!takers.empty()) {
     fault.why = fmt::format("\"{}\" is a key of {}", name, listed(takers));
     fault.admissible = "one of these names";
@@ -193,8 +193,8 @@ void append_traits(std::string& text, const Described& component) {
 
 void append_sources(std::string& text, const std::string& source) {
   text += "\nsource\n";
-  for (const auto& [work, place] : citations(source)) {
-    text += "  " + work + (place.empty() ? "" : ", " + place) + "\n";
+  for (const auto& [work, passage] : citations(source)) {
+    text += "  " + work + (passage.empty() ? "" : ", " + passage) + "\n";
   }
 }
 
@@ -276,7 +276,7 @@ std::string all_pages(const Registry& registry) {
   return text;
 }
 
-/// Looks at all places first, so that all pages are written or none.
+/// Looks at all files first, so that all pages are written or none.
 int write_pages(const fs::path& folder, const Registry& registry, bool force) {
   const auto pages = reference_pages(registry);
   for (const ReferencePage& page : pages) refuse_to_replace(folder / page.file, force);

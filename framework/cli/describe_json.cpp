@@ -73,8 +73,8 @@ void append_declared(Json& traits, const Declarations& given) {
 
 Json citations_json(const std::string& source) {
   Json list = Json::array();
-  for (const auto& [work, place] : citations(source)) {
-    list.push_back(Json{{"work", work}, {"place", place}});
+  for (const auto& [work, passage] : citations(source)) {
+    list.push_back(Json{{"work", work}, {"place", passage}});
   }
   return list;
 }

@@ -25,9 +25,9 @@ Json faults_json(const std::vector<Fault>& faults) {
   Json list = Json::array();
   for (const Fault& fault : faults) {
     list.push_back(Json{{"code", id_of(fault.code)},
-                        {"file", fault.place.file},
-                        {"line", position(fault.place.line)},
-                        {"column", position(fault.place.column)},
+                        {"file", fault.location.file},
+                        {"line", position(fault.location.line)},
+                        {"column", position(fault.location.column)},
                         {"key", text(fault.key)},
                         {"value", text(fault.value)},
                         {"why", fault.why},

@@ -30,7 +30,7 @@ Writes input for LAMMPS that gives the same energy and the same forces at the st
   in.lmp      units, potentials, fixes and the run, with comments
   *.tersoff   the numbers of each force of this type
 
-What LAMMPS has no exact counterpart for is refused, all of it with its place in the scene.
+What LAMMPS has no exact counterpart for is refused, all of it with its position in the scene.
 
 Examples:
 

@@ -115,27 +115,27 @@ SweepPlan plan_in(const fs::path& folder, Registry& registry) {
 /// Why the journal of a folder cannot be merged; nothing where it can.
 std::optional<Fault> fault_of(const fs::path& folder, const fs::path& first,
                               const SweepPlan& plan) {
-  const Place place{folder.string()};
+  const SourceLocation location{folder.string()};
   try {
     switch (SweepJournal::look(folder / kSweepJournalFile, plan)) {
       case SweepJournal::Found::same_sweep:
         return std::nullopt;
       case SweepJournal::Found::nothing:
-        return Fault(FaultCode::file_invalid, place, "", "",
+        return Fault(FaultCode::file_invalid, location, "", "",
                      fmt::format("there is no {}, or it cannot be read", kSweepJournalFile),
                      "the folder of a shard");
       case SweepJournal::Found::other_version:
-        return Fault(FaultCode::resume_other_version, place, "", "",
+        return Fault(FaultCode::resume_other_version, location, "", "",
                      "this sweep was made by another version of tomlin", "that version");
       case SweepJournal::Found::other_sweep:
-        return Fault(FaultCode::resume_other_scene, place, "", "",
+        return Fault(FaultCode::resume_other_scene, location, "", "",
                      folder == first
                          ? "scene.toml, or a plugin that it names, is not that of the rows"
                          : fmt::format("the rows are of another sweep than {}", first.string()),
                      "folders of one sweep: the same scene, plugins, axes and observables");
     }
   } catch (const DamagedFile& error) {
-    return Fault(FaultCode::file_damaged, place, "", "", error.what(),
+    return Fault(FaultCode::file_damaged, location, "", "", error.what(),
                  "the other folders; sweep then runs the points of this one again");
   }
   return std::nullopt;

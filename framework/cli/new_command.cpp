@@ -55,7 +55,7 @@ const SceneTemplate& template_of(const std::string& model) {
     names.push_back(known.name);
   }
   Fault fault(FaultCode::command_invalid_value);
-  fault.place.file = "tomlin";
+  fault.location.file = "tomlin";
   names.emplace_back("plugin");
   fault.why = fmt::format("there is no model \"{}\" to start from", model);
   fault.admissible = fmt::format("{}", fmt::join(names, ", "));

@@ -17,7 +17,7 @@ void refuse_to_replace(const fs::path& file, bool force) {
   std::error_code error;
   const auto status = fs::status(file, error);
   Fault fault(FaultCode::file_exists);
-  fault.place.file = "-o";
+  fault.location.file = "-o";
   fault.key = file.string();
   if (fs::is_directory(status)) {
     fault.code = FaultCode::file_invalid;
@@ -34,7 +34,7 @@ void refuse_to_replace(const fs::path& file, bool force) {
 
 void refuse_unwritable(const fs::path& file, const char* option) {
   Fault fault(FaultCode::file_cannot_write);
-  fault.place.file = option;
+  fault.location.file = option;
   fault.key = file.string();
   fault.admissible = "a file in a folder that is there and may be written to";
   const fs::path parent = file.parent_path().empty() ? fs::path(".") : file.parent_path();

@@ -8,7 +8,7 @@ namespace tomlin {
 /// and not to be replaced.
 void refuse_to_replace(const std::filesystem::path& file, bool force);
 
-/// Throws InputError where nothing can be put in the place of a file that `option` names: it, or
+/// Throws InputError where no file can be written that `option` names: it, or
 /// what it is written as, is a folder, or the folder around it is not there or may not be written
 /// to.
 void refuse_unwritable(const std::filesystem::path& file, const char* option = "-o");

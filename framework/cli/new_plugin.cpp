@@ -58,11 +58,11 @@ void check_name(const std::string& name) {
   const auto fits = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
   };
-  const bool sound = !name.empty() && name.size() <= kLongestName && name.front() >= 'a' &&
+  const bool valid = !name.empty() && name.size() <= kLongestName && name.front() >= 'a' &&
                      name.front() <= 'z' && name.back() != '_' &&
                      name.find("__") == std::string::npos &&
                      std::all_of(name.begin(), name.end(), fits);
-  if (!sound) {
+  if (!valid) {
     refuse_input(FaultCode::command_invalid_value, "tomlin", "NAME",
                  fmt::format("\"{}\" is not a valid name of a force", name),
                  "small letters, digits and single _, the first a letter: my_force");

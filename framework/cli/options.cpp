@@ -65,7 +65,7 @@ void read_settings(SettingOptions& options) {
   for (const std::string& text : options.given_settings) {
     const auto equals = text.find('=');
     if (equals == std::string::npos) {
-      faults.emplace_back(FaultCode::command_missing_argument, Place{"--set"},
+      faults.emplace_back(FaultCode::command_missing_argument, SourceLocation{"--set"},
                           text.empty() ? "\"\"" : text, "", "no value", "PATH=VALUE");
       continue;
     }

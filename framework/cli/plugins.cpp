@@ -12,7 +12,7 @@ namespace {
 PluginRequest request_of(const std::string& given) {
   PluginRequest request;
   request.given = given;
-  request.place.file = "--plugin";
+  request.location.file = "--plugin";
   request.everywhere = true;
   request.path = fs::absolute(given).lexically_normal();
   return request;
@@ -27,7 +27,7 @@ std::vector<PluginRequest> requested_plugins(const std::vector<std::string>& giv
   for (const std::string& name : given) requests.push_back(request_of(name));
   for (const SceneDocument& scene : scenes) {
     for (const NamedLibrary& library : scene.libraries()) {
-      requests.push_back({library.given, library.path, library.place, false});
+      requests.push_back({library.given, library.path, library.location, false});
     }
   }
   return requests;

@@ -46,17 +46,17 @@ std::string printable(std::string_view text) {
   std::string result;
   result.reserve(text.size());
   while (!text.empty()) {
-    std::string_view sound = text.substr(0, valid_utf8_prefix(text));
-    text.remove_prefix(sound.size());
-    while (!sound.empty()) {
+    std::string_view valid = text.substr(0, valid_utf8_prefix(text));
+    text.remove_prefix(valid.size());
+    while (!valid.empty()) {
       std::size_t length = 0;
-      const std::uint32_t character = first_character(sound, length);
+      const std::uint32_t character = first_character(valid, length);
       if (acts(character)) {
         result += fmt::format("\\u{:04X}", character);
       } else {
-        result += sound.substr(0, length);
+        result += valid.substr(0, length);
       }
-      sound.remove_prefix(length);
+      valid.remove_prefix(length);
     }
     if (text.empty()) break;
     result += '?';

@@ -212,8 +212,8 @@ std::string component_section(const Described& component) {
   const ComponentRecord& record = *component.record;
   std::string text = fmt::format("## {}\n\n{}\n\n", record.name, sentence(record.summary));
   append_block(text, "text", record.equation);
-  for (const auto& [work, place] : citations(record.source)) {
-    text += "- source: " + linked(work) + (place.empty() ? "" : ", " + place) + "\n";
+  for (const auto& [work, passage] : citations(record.source)) {
+    text += "- source: " + linked(work) + (passage.empty() ? "" : ", " + passage) + "\n";
   }
   if (component.force != nullptr) {
     text += "- acts on: " + acts_on(*component.force) + "\n";

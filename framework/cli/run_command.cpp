@@ -82,7 +82,7 @@ one to start from. A scene names its libraries above its first [table], relative
 
   plugins = ["libmorse.so"]
 
-or --plugin does, relative to the current folder. Both load it from that place and no other. See
+or --plugin does, relative to the current folder. Both load it from there alone. See
 also tomlin describe --plugin LIB.)";
 
 std::string default_folder(const std::string& scene_file) {
@@ -163,7 +163,7 @@ void check(RunArguments& arguments) {
 }
 
 int run_scene(const RunArguments& arguments) {
-  // The scene, then the place for its results; only then is anything made.
+  // The scene, then the folder for its results; only then is anything made.
   std::optional<SceneDocument> document(arguments.scene);
   const auto plugins = requested_plugins(arguments.plugins, {&*document, 1});
   if (arguments.resume) require_plugins_of_run(arguments, plugins);

@@ -99,7 +99,7 @@ Json word_or(const std::vector<std::string>& words, Json otherwise) {
 
 Json word_or_numbers(const Parameter& row) {
   Json schema = number_or_list(row.interval);
-  schema["anyOf"] = suggestions({only("enum", words_due(row))});
+  schema["anyOf"] = suggestions({only("enum", expected_words(row))});
   return schema;
 }
 
@@ -148,11 +148,11 @@ Json value_schema(const Parameter& row) {
         } else if constexpr (std::is_same_v<Kind, PairSelection>) {
           Json pair = list_of(index(), 2);
           pair["minItems"] = 2;
-          return word_or(words_due(row), list_of(std::move(pair)));
+          return word_or(expected_words(row), list_of(std::move(pair)));
         } else if constexpr (std::is_same_v<Kind, WordOrNumbers>) {
           return word_or_numbers(row);
         } else if constexpr (std::is_same_v<Kind, Attachment>) {
-          return word_or(words_due(row), object(only("particle", index()), {"particle"}));
+          return word_or(expected_words(row), object(only("particle", index()), {"particle"}));
         } else if constexpr (std::is_same_v<Kind, WordList>) {
           Json word = row.choices.empty() ? only("type", "string") : only("enum", row.choices);
           return {{"type", "array"}, {"uniqueItems", true}, {"items", std::move(word)}};

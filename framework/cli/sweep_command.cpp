@@ -194,7 +194,7 @@ void check(SweepArguments& arguments) { read_settings(arguments); }
 /// Reads what the options say of axes; adds a fault for each that says nothing.
 void read_axes(const std::vector<std::string>& options, SweepSettings& settings,
                std::vector<Fault>& faults) {
-  const Place place{"--over"};
+  const SourceLocation location{"--over"};
   settings.over.clear();
   settings.unread.clear();
   for (const std::string& option : options) {
@@ -202,7 +202,7 @@ void read_axes(const std::vector<std::string>& options, SweepSettings& settings,
     const std::string name = option.substr(0, equals);
     if (equals == std::string::npos || name.empty()) {
       settings.unread.push_back(name);
-      faults.emplace_back(FaultCode::command_missing_argument, place,
+      faults.emplace_back(FaultCode::command_missing_argument, location,
                           option.empty() ? "\"\"" : shortened(option, kLongestShownValue), "",
                           equals == std::string::npos ? "no values" : "no name", "NAME=VALUES");
       continue;
@@ -210,12 +210,12 @@ void read_axes(const std::vector<std::string>& options, SweepSettings& settings,
     if (option.find(';') != std::string::npos &&
         option.find('=', equals + 1) != std::string::npos) {
       settings.unread.push_back(name);
-      faults.emplace_back(FaultCode::command_invalid_value, place,
+      faults.emplace_back(FaultCode::command_invalid_value, location,
                           shortened(option, kLongestShownValue), "", "several axes in one option",
                           "another --over for each axis");
       continue;
     }
-    add_axis(settings, name, option.substr(equals + 1), place, faults);
+    add_axis(settings, name, option.substr(equals + 1), location, faults);
   }
 }
 
@@ -243,24 +243,24 @@ SweepSettings settings_of(const SceneDocument& document, const SweepArguments& a
   if (!arguments.zips.empty()) {
     settings.zips.clear();
     for (const std::string& zip : arguments.zips) {
-      settings.zips.push_back({names_in(zip), Place{"--zip"}});
+      settings.zips.push_back({names_in(zip), SourceLocation{"--zip"}});
     }
   }
   settings.continues = settings.continues || arguments.continues;
-  if (arguments.repeats) settings.repeats = {*arguments.repeats, Place{"--repeats"}, ""};
+  if (arguments.repeats) settings.repeats = {*arguments.repeats, SourceLocation{"--repeats"}, ""};
   add_repeats(settings, faults);
   for (const auto& [given, option, into] :
        {std::tuple{&arguments.refine, "--refine", &settings.refine.what},
         std::tuple{&arguments.refine_along, "--refine-along", &settings.refine.along},
         std::tuple{&arguments.refine_to, "--refine-to", &settings.refine.to}}) {
-    if (*given) *into = {**given, Place{option}, ""};
+    if (*given) *into = {**given, SourceLocation{option}, ""};
   }
   if (!arguments.observables.empty()) {
     settings.observables = arguments.observables;
-    settings.observables_place = Place{"--observable"};
+    settings.observables_location = SourceLocation{"--observable"};
   }
   const auto missing = [&faults](const char* what, const char* admissible) {
-    faults.emplace_back(FaultCode::command_missing_argument, Place{"tomlin"}, "", "", what,
+    faults.emplace_back(FaultCode::command_missing_argument, SourceLocation{"tomlin"}, "", "", what,
                         admissible);
   };
   if (settings.over.empty() && settings.unread.empty()) {
@@ -292,7 +292,7 @@ std::vector<std::size_t> rows_in(const std::string& text, std::size_t points,
                       : dash == std::string::npos ? first
                                                   : number(part.substr(dash + 1));
     if (!first || !last || *first > *last) {
-      faults.emplace_back(FaultCode::command_invalid_value, Place{"--trace"}, "",
+      faults.emplace_back(FaultCode::command_invalid_value, SourceLocation{"--trace"}, "",
                           shortened(part, kLongestShownValue), "no row of this sweep",
                           fmt::format("all, or rows from 0 to {}: 0,5-7", points - 1));
       continue;
@@ -319,8 +319,8 @@ std::optional<SweepPart> shard_of(const std::string& text, const SweepPlan& plan
   const std::size_t shards = number(view.substr(std::min(slash + 1, view.size())));
   if (shard >= 1 && shard <= shards) return SweepPart{shard - 1, shards, plan.line()};
   faults.emplace_back(
-      FaultCode::command_invalid_value, Place{"--shard"}, shortened(text, kLongestShownValue), "",
-      "not one of several parts",
+      FaultCode::command_invalid_value, SourceLocation{"--shard"},
+      shortened(text, kLongestShownValue), "", "not one of several parts",
       fmt::format("I/N with I from 1 to N, at most {}: 1/4, 2/4, 3/4, 4/4", kMostSweepPoints));
   return std::nullopt;
 }
@@ -355,8 +355,9 @@ struct RequestedSweep {
     if (arguments.shard) shard = shard_of(*arguments.shard, plan, faults);
     for (const SweepAxis& axis : plan.axes()) {
       if (axis.name != "run.stream" || plan.is_random_somewhere()) continue;
-      const bool repeats = arguments.repeats && axis.place.file == "--repeats";
-      faults.emplace_back(FaultCode::command_conflict, axis.place, repeats ? "repeats" : axis.name,
+      const bool repeats = arguments.repeats && axis.location.file == "--repeats";
+      faults.emplace_back(FaultCode::command_conflict, axis.location,
+                          repeats ? "repeats" : axis.name,
                           repeats ? *arguments.repeats : axis.shown,
                           "the scene has no noise: all repeats would be equal",
                           "a force with noise, such as langevin, or a start_temperature");
@@ -366,19 +367,20 @@ struct RequestedSweep {
       return is_stream(plan.axes()[axis]);
     });
     if (plan.line() > 1 && plan.has_noise_somewhere() && !other_streams) {
-      faults.emplace_back(FaultCode::command_conflict, Place{"--continue-from-neighbour"}, "", "",
+      faults.emplace_back(FaultCode::command_conflict, SourceLocation{"--continue-from-neighbour"},
+                          "", "",
                           "each point would have the noise of the one that it continues from",
                           "another run.stream at each point: an axis, zipped with the last one");
     }
     if (arguments.trace && plan.line() > 1) {
-      faults.emplace_back(FaultCode::command_conflict, Place{"--trace"}, "", "",
+      faults.emplace_back(FaultCode::command_conflict, SourceLocation{"--trace"}, "", "",
                           "a point that continues from its neighbour is no run of its own",
                           "no --continue-from-neighbour beside it");
     }
     for (const auto& [option, is_given] : {std::pair{"--trace", arguments.trace.has_value()},
                                            std::pair{"--shard", arguments.shard.has_value()}}) {
       if (!is_given || !plan.refinement()) continue;
-      faults.emplace_back(FaultCode::command_conflict, Place{option}, "", "",
+      faults.emplace_back(FaultCode::command_conflict, SourceLocation{option}, "", "",
                           "a sweep that is refined has more rows than its axes, and not known ones",
                           "no refine beside it");
     }

@@ -155,8 +155,8 @@ std::vector<std::size_t> shown_points(const Tradeoff& tradeoff) {
     const int decade =
         error > 0.0 ? std::clamp(static_cast<int>(std::floor(std::log10(error))), -kMostDecades, 1)
                     : -kMostDecades;
-    const auto [place, is_new] = cheapest.try_emplace({point.method, decade}, p);
-    if (!is_new && point.cost() < tradeoff.points[place->second].cost()) place->second = p;
+    const auto [entry, is_new] = cheapest.try_emplace({point.method, decade}, p);
+    if (!is_new && point.cost() < tradeoff.points[entry->second].cost()) entry->second = p;
     if (!marks_of(tradeoff, p).empty()) shown.push_back(p);
   }
   for (const auto& [key, p] : cheapest) shown.push_back(p);

@@ -32,7 +32,7 @@ const Description& given(const SceneForce& force) {
 
 void refuse(const SceneForce& force, const std::string& key, const std::string& value,
             const std::string& why, const std::string& admissible, LammpsTerms& terms) {
-  terms.faults.emplace_back(FaultCode::component_unsuitable, force.place_of(key),
+  terms.faults.emplace_back(FaultCode::component_unsuitable, force.location_of(key),
                             "force." + force.name + "." + key, value, why, admissible);
 }
 

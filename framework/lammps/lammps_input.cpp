@@ -34,18 +34,18 @@ void check_bodies(const Scene& scene, std::vector<Fault>& faults) {
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
     const SceneBody& body = scene.bodies[b];
     if (common_of(body).coordinates == Coordinates::rigid) {
-      faults.emplace_back(FaultCode::component_unsuitable, body.place_of("coordinates"),
+      faults.emplace_back(FaultCode::component_unsuitable, body.location_of("coordinates"),
                           "body." + body.name + ".coordinates", "\"rigid\"",
                           "a rigid body is not written for LAMMPS",
                           "\"particles\", \"fixed\", or \"prescribed\" with a constant velocity");
     }
     if (body.motion && !moves_steadily(*body.motion)) {
-      faults.emplace_back(FaultCode::component_unsuitable, body.place_of("motion"),
+      faults.emplace_back(FaultCode::component_unsuitable, body.location_of("motion"),
                           "body." + body.name + ".motion", "",
                           "this motion is not written for LAMMPS", "a constant velocity");
     }
     if (b == kMostBodies) {
-      faults.emplace_back(FaultCode::component_unsuitable, body.place, "body." + body.name, "",
+      faults.emplace_back(FaultCode::component_unsuitable, body.location, "body." + body.name, "",
                           "LAMMPS has no more groups of atoms",
                           fmt::format("at most {} bodies", kMostBodies));
     }
@@ -53,12 +53,12 @@ void check_bodies(const Scene& scene, std::vector<Fault>& faults) {
 }
 
 void check_run(const RunSettings& run, std::vector<Fault>& faults) {
-  const auto place = [](const auto& table, const char* key) {
-    const auto found = table.places.find(key);
-    return found == table.places.end() ? table.place : found->second;
+  const auto location = [](const auto& table, const char* key) {
+    const auto found = table.locations.find(key);
+    return found == table.locations.end() ? table.location : found->second;
   };
   if (run.dynamics != Dynamics::inertial) {
-    faults.emplace_back(FaultCode::integrator_unsuitable, place(run, "dynamics"), "run.dynamics",
+    faults.emplace_back(FaultCode::integrator_unsuitable, location(run, "dynamics"), "run.dynamics",
                         fmt::format("\"{}\"", to_string(run.dynamics)),
                         "LAMMPS is written for with inertia only", "\"inertial\"");
     return;
@@ -67,7 +67,7 @@ void check_run(const RunSettings& run, std::vector<Fault>& faults) {
   if (run.accuracy || scheme.step == nullptr ||
       !(scheme.step(run.integrator.description.get()) > 0.0)) {
     faults.emplace_back(FaultCode::integrator_unsuitable,
-                        place(run, run.accuracy ? "accuracy" : "integrator"),
+                        location(run, run.accuracy ? "accuracy" : "integrator"),
                         run.accuracy ? "run.accuracy" : "run.integrator.type",
                         run.accuracy ? "" : "\"" + scheme.name + "\"", "LAMMPS needs a fixed step",
                         "--set 'run.integrator={type=\"velocity_verlet\",dt=STEP}'");
@@ -92,7 +92,7 @@ LammpsAtoms atoms_of(const Model& model) {
       if (found == own.types.end()) own.types.push_back(type);
       if (atoms.types + own.types.size() > kMostTypes) {
         const SceneBody& from = model.scene().bodies[body.bound.index];
-        throw InputError({Fault(FaultCode::component_unsuitable, from.place_of("particle_mass"),
+        throw InputError({Fault(FaultCode::component_unsuitable, from.location_of("particle_mass"),
                                 "body." + from.name + ".particle_mass", "",
                                 "each mass is a type of atoms in LAMMPS, and there are too many",
                                 fmt::format("at most {} types in all", kMostTypes))});
@@ -126,11 +126,11 @@ LammpsStart start_of(Model& model, std::size_t atoms) {
   std::size_t atom = 0;
   for (const Model::Body& body : model.bodies()) {
     const auto& slot = body.bound.slot;
-    std::vector<double> places(slot.count * axes);
-    model.place_particles(body.bound.index, view.position, places.data());
+    std::vector<double> positions(slot.count * axes);
+    model.place_particles(body.bound.index, view.position, positions.data());
     for (std::size_t i = 0; i < slot.count; ++i, ++atom) {
       for (std::size_t d = 0; d < axes; ++d) {
-        start.position[3 * atom + d] = places[i * axes + d];
+        start.position[3 * atom + d] = positions[i * axes + d];
         if (slot.mapped) continue;  // fixed, or moved by a fix
         start.velocity[3 * atom + d] = view.velocity[slot.offset + d * slot.stride + i];
       }
@@ -383,8 +383,8 @@ class LammpsScript {
     }
     if (terms_.commands.empty()) return;
     if (terms_.uses_time) line("variable time equal step*dt");
-    if (terms_.uses_places && periodic()) {
-      line("compute place all property/atom xu yu zu    # as if the box had no sides");
+    if (terms_.uses_positions && periodic()) {
+      line("compute position all property/atom xu yu zu    # as if the box had no sides");
     }
     if (terms_.uses_starts) {
       line("fix start all store/state 0 xu yu zu    # where each particle was at time 0");
@@ -495,9 +495,9 @@ std::string lammps_comment(const std::string& text) {
 }
 
 std::string lammps_coordinate(LammpsTerms& terms, int axis) {
-  terms.uses_places = true;
+  terms.uses_positions = true;
   if (terms.model.plan().box == std::array<double, 3>{}) return kAxisNames[axis];
-  return fmt::format("c_place[{}]", axis + 1);
+  return fmt::format("c_position[{}]", axis + 1);
 }
 
 std::string lammps_start(LammpsTerms& terms, int axis) {

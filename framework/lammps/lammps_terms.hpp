@@ -73,7 +73,7 @@ struct LammpsTerms {
   std::vector<LammpsFile> files = {};
   // The commands read these: the time, positions of particles, positions at the start.
   bool uses_time = false;
-  bool uses_places = false;
+  bool uses_positions = false;
   bool uses_starts = false;
   std::vector<Fault> faults = {};
 };

@@ -20,7 +20,7 @@ std::size_t stride_for(std::size_t count) {
   return length % 512 == 0 ? length + 3 * kGroup : length;
 }
 
-/// Places so far away that they cannot be counted in periods come out as no numbers.
+/// Positions so far away that they cannot be counted in periods come out as no numbers.
 bool placed_finitely(const std::vector<std::array<double, 3>>& start) {
   for (const auto& particle : start) {
     for (const double x : particle) {
@@ -50,7 +50,7 @@ void list_species(BoundBody<Real>& body, const NamePerParticle& given, std::size
   for (std::size_t i = 0; i < count; ++i) body.species.push_back(indices.at(given.of(i)));
 }
 
-/// All but its place in the arrays.
+/// All but its offsets in the arrays.
 template <class Real>
 AssembledBody<Real> described(const SceneBody& from, std::size_t index, const AssemblyPlan& plan) {
   const BodyDescription& common = from.record->common(from.description.get());
@@ -111,15 +111,16 @@ AssembledBody<Real> described(const SceneBody& from, std::size_t index, const As
 template <class Real>
 bool is_continued(const AssembledBody<Real>& body, int axis, double box) {
   constexpr double kNear = 1.5;
-  std::vector<double> places;
+  std::vector<double> positions;
   for (const auto& start : body.bound.start)
-    places.push_back(start[static_cast<std::size_t>(axis)]);
-  std::sort(places.begin(), places.end());
+    positions.push_back(start[static_cast<std::size_t>(axis)]);
+  std::sort(positions.begin(), positions.end());
   double widest = 0.0;
-  for (std::size_t i = 1; i < places.size(); ++i) {
-    widest = std::max(widest, places[i] - places[i - 1]);
+  for (std::size_t i = 1; i < positions.size(); ++i) {
+    widest = std::max(widest, positions[i] - positions[i - 1]);
   }
-  return box > 0.0 && widest > 0.0 && box - (places.back() - places.front()) <= kNear * widest;
+  return box > 0.0 && widest > 0.0 &&
+         box - (positions.back() - positions.front()) <= kNear * widest;
 }
 
 template <class Real>
@@ -131,7 +132,7 @@ void check(const AssembledBody<Real>& body, const SceneBody& from, const Assembl
     const bool about_axis = body.free_rotations == 1 && body.rotation_free[axis];
     if (about_axis) continue;
     faults.emplace_back(
-        FaultCode::component_unsuitable, from.place_of("coordinates"),
+        FaultCode::component_unsuitable, from.location_of("coordinates"),
         "body." + from.name + ".coordinates", "\"rigid\"",
         fmt::format("the periodic box continues it along {}: it may only rotate about this axis",
                     kAxisNames[axis]),
@@ -140,12 +141,12 @@ void check(const AssembledBody<Real>& body, const SceneBody& from, const Assembl
     break;
   }
   if (!std::isfinite(body.total_mass)) {
-    faults.emplace_back(FaultCode::scene_not_finite, from.place_of("particle_mass"),
+    faults.emplace_back(FaultCode::scene_not_finite, from.location_of("particle_mass"),
                         "body." + from.name + ".particle_mass", "",
                         "the body's total mass overflows", "smaller masses");
   }
   if (!placed_finitely(body.bound.start)) {
-    faults.emplace_back(FaultCode::scene_out_of_range, from.place, "body." + from.name, "",
+    faults.emplace_back(FaultCode::scene_out_of_range, from.location, "body." + from.name, "",
                         "too far from the origin: the number of periods cannot be represented",
                         "a position nearer the origin");
   }

@@ -67,7 +67,7 @@ class AssembledBodies {
 
   std::vector<AssembledBody<Real>> all;
   std::size_t dofs = 0;         ///< length of the arrays of coordinates
-  std::size_t mapped_size = 0;  ///< length of the arrays of places that follow from coordinates
+  std::size_t mapped_size = 0;  ///< length of the arrays of positions that follow from coordinates
 
   std::deque<RigidArguments<Real>> rigid;  ///< of rigid and prescribed bodies
   std::vector<std::size_t> rigid_body;     ///< whose each of them is

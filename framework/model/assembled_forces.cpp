@@ -13,9 +13,9 @@ namespace tomlin {
 
 Fault fault_of(const SceneForce& force, const Complaint& complaint) {
   Fault fault(complaint.code);
-  fault.place = force.place_of(complaint.key);
-  if (complaint.column && fault.place.line > 0 && force.places.contains(complaint.key)) {
-    fault.place.column += static_cast<int>(*complaint.column) + 1;  // behind the quotation mark
+  fault.location = force.location_of(complaint.key);
+  if (complaint.column && fault.location.line > 0 && force.locations.contains(complaint.key)) {
+    fault.location.column += static_cast<int>(*complaint.column) + 1;  // behind the quotation mark
   }
   fault.key = "force." + force.name + "." + complaint.key;
   fault.why = complaint.why;
@@ -27,9 +27,9 @@ Fault fault_of(const SceneForce& force, const Complaint& complaint) {
 namespace {
 
 Fault not_in_this_number_type(const RunSettings& run, const SceneForce& force) {
-  const auto place = run.places.find("number_type");
+  const auto location = run.locations.find("number_type");
   return Fault(FaultCode::number_type_unsuitable,
-               place == run.places.end() ? run.place : place->second, "run.number_type",
+               location == run.locations.end() ? run.location : location->second, "run.number_type",
                fmt::format("\"{}\"", to_string(run.number_type)),
                "not available with the force \"" + force.name + "\", of type " + force.record->name,
                "\"double\"");

@@ -21,7 +21,7 @@ class BodyStart {
             const FinalState* from, const Origin& origin)
       : plan_(plan), noise_(noise), position_(position), velocity_(velocity), from_(from) {
     for (int d = 0; from != nullptr && d < plan.dimension(); ++d) {
-      shift_[d] = absolute_place(from->origin, d, 0.0) - absolute_place(origin, d, 0.0);
+      shift_[d] = absolute_position(from->origin, d, 0.0) - absolute_position(origin, d, 0.0);
     }
   }
 
@@ -300,14 +300,14 @@ void Assembly<Real>::start_supports(const FinalState& from, Real* own) {
     if (end == nullptr || support == nullptr) continue;
     std::vector<DoubleDouble> travel;
     for (int d = 0; d < dimension(); ++d) {
-      const Quad start = absolute_place(plan_.origin, d, force.drive()->start[d]);
-      travel.push_back(to_double_double(support->place[d] - start));
+      const Quad start = absolute_position(plan_.origin, d, force.drive()->start[d]);
+      travel.push_back(to_double_double(support->position[d] - start));
     }
     end->begin_at(travel);
   }
   for (const Body& body : bodies()) {
     const FinalState::Support* const support = from.support(body.bound.name);
-    if (body.prescribed() && support) prescribed_.begin_at(body, support->place, origin_, own);
+    if (body.prescribed() && support) prescribed_.begin_at(body, support->position, origin_, own);
   }
 }
 
@@ -332,14 +332,14 @@ void Assembly<Real>::write_supports(const DoubleDouble& time, FinalState& state)
     support.name = force.name;
     const std::vector<DoubleDouble> travel = end->travelled(time);
     for (int d = 0; d < dimension(); ++d) {
-      support.place.push_back(absolute_place(plan_.origin, d, force.drive()->start[d]) +
-                              to_quad(travel[d]));
+      support.position.push_back(absolute_position(plan_.origin, d, force.drive()->start[d]) +
+                                 to_quad(travel[d]));
     }
   }
   for (const Body& body : bodies()) {
     if (!body.prescribed()) continue;
     state.supports.push_back(
-        {body.bound.name, prescribed_.place_of(body, time, origin_, state.own)});
+        {body.bound.name, prescribed_.position_of(body, time, origin_, state.own)});
   }
 }
 

@@ -171,9 +171,9 @@ void DeclaredDriver<Real>::find_support(const AssemblyPlan& plan,
   const auto force_at = [&](double time, int moved, double by) {
     for (int d = 0; d < dimension_; ++d) {
       const double shift = d == moved ? by : 0.0;
-      AlignedVector<Real>& places = slot.mapped ? mapped : position;
+      AlignedVector<Real>& target = slot.mapped ? mapped : position;
       for (std::size_t i = 0; i < slot.count; ++i) {
-        places[slot.offset + static_cast<std::size_t>(d) * slot.stride + i] =
+        target[slot.offset + static_cast<std::size_t>(d) * slot.stride + i] =
             Real(on.bound.start[i][d] + shift);
       }
       if (slot.rigid) {

@@ -19,8 +19,9 @@ namespace tomlin {
 /// end of a spring does, and V stays a stored energy. Any other does the work F.v on what it acts
 /// on, and stores nothing.
 ///
-/// A force that is linear in the place of its body as a whole, F = k (X(t) - x), is a spring with
-/// its support at X(t): k and X follow from its values, and X moves at a steady velocity or not.
+/// A force that is linear in the position of its body as a whole, F = k (X(t) - x), is a spring
+/// with its support at X(t): k and X follow from its values, and X moves at a steady velocity or
+/// not.
 template <class Real>
 class DeclaredDriver {
  public:

@@ -188,7 +188,7 @@ void Evaluation<Real>::add_heats(const AssemblyPlan& plan, const AssembledBodies
   drifted_.dofs = view.dofs;
   const RigidTable<Real>& rigid = kernels::RigidKernels.on<Real>(plan.set);
   for (const auto& body : bodies.rigid) {
-    drifted_.places.push_back({rigid.place[plan.dimension() - 1], &body});
+    drifted_.placements.push_back({rigid.place[plan.dimension() - 1], &body});
   }
   operations_.push_back({&Evaluation::heat_of_drift, &drifted_});
 }
@@ -252,10 +252,10 @@ template <class Real>
 void Evaluation<Real>::write_zeros_in_lanes(const void* arguments, const Stage<double>& stage) {
   const auto& lanes = *static_cast<const LaneArguments*>(arguments);
   const auto& a = *static_cast<const Range*>(lanes.single);
-  const std::size_t* const place = a.mapped ? lanes.mapped : lanes.coordinate;
-  const std::size_t first = place[a.offset] * lanes.width;
+  const std::size_t* const index = a.mapped ? lanes.mapped : lanes.coordinate;
+  const std::size_t first = index[a.offset] * lanes.width;
   double* const f = a.mapped ? stage.mapped_force : stage.force;
-  std::fill(f + first, f + place[a.offset + a.length] * lanes.width, 0.0);
+  std::fill(f + first, f + index[a.offset + a.length] * lanes.width, 0.0);
 }
 
 template <class Real>
@@ -272,7 +272,7 @@ void Evaluation<Real>::heat_of_drift(const void* drifted, const Stage<Real>& sta
   for (std::size_t i = 0; i < a.dofs; ++i) a.velocity[i] = stage.force[i] * a.mobility[i];
   Stage<Real> moving = stage;
   moving.velocity = a.velocity.data();
-  for (const Operation<Real>& place : a.places) place.run(place.arguments, moving);
+  for (const Operation<Real>& placement : a.placements) placement.run(placement.arguments, moving);
   for (const Operation<Real>& heat : a.heats) heat.run(heat.arguments, moving);
 }
 

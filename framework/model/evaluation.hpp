@@ -57,7 +57,7 @@ class Evaluation {
   };
   /// Heats of forces in a scene without inertia.
   struct Drifted {
-    std::vector<Operation<Real>> places;  ///< of bodies that move as one
+    std::vector<Operation<Real>> placements;  ///< of bodies that move as one
     std::vector<Operation<Real>> heats;
     mutable AlignedVector<Real> velocity;
     const Real* mobility = nullptr;

@@ -10,7 +10,7 @@ const FinalState::Support* FinalState::support(const std::string& name) const {
   return found == supports.end() ? nullptr : &*found;
 }
 
-Quad absolute_place(const Origin& origin, int axis, Quad relative) {
+Quad absolute_position(const Origin& origin, int axis, Quad relative) {
   return Quad(static_cast<double>(origin.cells[axis])) * Quad(origin.unit[axis]) + relative;
 }
 

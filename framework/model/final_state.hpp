@@ -19,7 +19,7 @@ struct FinalState {
   /// planar body, in rad, comes after its axes.
   struct Support {
     std::string name;
-    std::vector<Quad> place;
+    std::vector<Quad> position;
   };
 
   /// A rigid body in space; its coordinates of rotation are relative to axes of its own.
@@ -48,6 +48,6 @@ inline DoubleDouble to_double_double(Quad x) {
 }
 
 /// Returns the absolute position of one that is relative to the origin.
-Quad absolute_place(const Origin& origin, int axis, Quad relative);
+Quad absolute_position(const Origin& origin, int axis, Quad relative);
 
 }  // namespace tomlin

@@ -152,14 +152,14 @@ struct FrictionKernels {
       coupling[1] = tau<Real>() * sx;
       // Eliminate the centre first.
       Real pivot = a.second;
-      Real due = f[2];
+      Real residual = f[2];
       for (int d = 0; d < 2; ++d) {
         if (!a.free[d]) continue;
         const Real share = coupling[d] / a.total;
         pivot = fnma(share, coupling[d], pivot);
-        due = fnma(share, f[d], due);
+        residual = fnma(share, f[d], residual);
       }
-      u[2] = due / pivot;
+      u[2] = residual / pivot;
     }
     const Real w = u[2];
     for (int d = 0; d < a.axes; ++d) {
@@ -253,7 +253,7 @@ struct FrictionKernels {
 
   /// Index of the numbers that this step of a single particle shares with others.
   template <class Real>
-  TOMLIN_INLINE static std::uint64_t shared_place(const FrictionArguments<Real>& a,
+  TOMLIN_INLINE static std::uint64_t shared_block(const FrictionArguments<Real>& a,
                                                   std::uint64_t step) {
     return a.together == kGroup ? step / kGroup : step / (2 * kGroup);
   }
@@ -265,10 +265,10 @@ struct FrictionKernels {
                                               const RandomKey& key, std::uint64_t step,
                                               std::uint64_t part) {
     Real* const drawn = a.drawn + part * kMostDrawn;
-    const std::uint64_t place = shared_place(a, step);
-    if (a.drawn_for[part] != place) {
-      a.drawn_for[part] = place;
-      fill_normals(key, {place, part, 0, 0}, std::max<std::size_t>(a.length, 2 * kGroup), kGroup,
+    const std::uint64_t block = shared_block(a, step);
+    if (a.drawn_for[part] != block) {
+      a.drawn_for[part] = block;
+      fill_normals(key, {block, part, 0, 0}, std::max<std::size_t>(a.length, 2 * kGroup), kGroup,
                    drawn);
     }
     return drawn;
@@ -482,7 +482,7 @@ struct FrictionKernels {
     *l.any_new = false;
   }
 
-  /// Numbers of replica w, which stands at step `own`, from there on; the first are put at place
+  /// Numbers of replica w, which stands at step `own`, from there on; the first are put at index
   /// `at`. Returns of how many steps.
   TOMLIN_INLINE static std::size_t draw_one(const FrictionLanes& l, std::size_t w,
                                             std::uint64_t own, std::uint64_t part, std::size_t at,
@@ -514,13 +514,13 @@ struct FrictionKernels {
       std::size_t count = 0;
       for (std::size_t w = from; w < from + kGroup; ++w) {
         const FrictionArguments<double>& a = *l.run[w];
-        const std::uint64_t place = shared_place(a, step + l.ahead[w]);
-        if (next[w] > step || a.drawn_for[part] == place) continue;
+        const std::uint64_t block = shared_block(a, step + l.ahead[w]);
+        if (next[w] > step || a.drawn_for[part] == block) continue;
         double* const to = a.drawn + part * kMostDrawn;
         // Lanes without a run repeat one, which may be at another step: draw_one() sees to it.
         if (std::find(drawn, drawn + count, to) != drawn + count) continue;
-        a.drawn_for[part] = place;
-        uniform_pairs(a.key, {place, part, 0, 0}, kGroup, to, to + kGroup);
+        a.drawn_for[part] = block;
+        uniform_pairs(a.key, {block, part, 0, 0}, kGroup, to, to + kGroup);
         drawn[count++] = to;
       }
       for (std::size_t k = 0; k < count; ++k) {
@@ -540,10 +540,10 @@ struct FrictionKernels {
     const std::size_t at = step % kept;
     std::uint64_t* const next = l.next + part * l.width;
     double* const normals = l.normals + part * kept * l.rows * l.width;
-    bool due = false;
-    for (std::size_t w = 0; w < l.width; ++w) due |= next[w] <= step;
-    if (due && l.together > 1 && l.rows <= 2) prepare(l, step, part, next);
-    for (std::size_t w = 0; due && w < l.width; ++w) {
+    bool needed = false;
+    for (std::size_t w = 0; w < l.width; ++w) needed |= next[w] <= step;
+    if (needed && l.together > 1 && l.rows <= 2) prepare(l, step, part, next);
+    for (std::size_t w = 0; needed && w < l.width; ++w) {
       if (next[w] > step) continue;
       next[w] = step + draw_one(l, w, step + l.ahead[w], part, at, normals);
     }

@@ -349,10 +349,10 @@ template <class Real>
 void FrictionMatrix<Real>::miss(const AssemblyPlan& plan, const AssembledBody<Real>& body,
                                 const std::string& coordinate) {
   const RunSettings& run = plan.scene->run;
-  const auto place = run.places.find("dynamics");
+  const auto location = run.locations.find("dynamics");
   faults_.emplace_back(FaultCode::matrix_singular,
-                       place == run.places.end() ? run.place : place->second, "run.dynamics",
-                       fmt::format("\"{}\"", to_string(Dynamics::overdamped)),
+                       location == run.locations.end() ? run.location : location->second,
+                       "run.dynamics", fmt::format("\"{}\"", to_string(Dynamics::overdamped)),
                        fmt::format("no friction on {} of body \"{}\": the friction matrix is not "
                                    "positive definite",
                                    coordinate, body.bound.name),

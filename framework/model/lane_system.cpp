@@ -293,7 +293,7 @@ bool LaneSystem::fits(const Model& model) const {
   const std::vector<LaneCall>& other = model.assembly().lane_calls();
   const SystemView<double>& a = first_.system().view;
   const SystemView<double>& b = model.system().view;
-  const auto same_place = [](const Model::Body& x, const Model::Body& y) {
+  const auto same_slot = [](const Model::Body& x, const Model::Body& y) {
     return structure_of(x.bound.slot, kNoRate) == structure_of(y.bound.slot, kNoRate);
   };
   const auto same = [](const LaneCall& x, const LaneCall& y) {
@@ -324,7 +324,7 @@ bool LaneSystem::fits(const Model& model) const {
          a.inertial == b.inertial && first_.system().set == model.system().set &&
          first_.assembly().mapped_size() == model.assembly().mapped_size() &&
          std::equal(first_.bodies().begin(), first_.bodies().end(), model.bodies().begin(),
-                    model.bodies().end(), same_place) &&
+                    model.bodies().end(), same_slot) &&
          std::equal(first_.origin().unit.begin(), first_.origin().unit.end(),
                     model.origin().unit.begin(),
                     [](double x, double y) { return (x > 0.0) == (y > 0.0); }) &&
@@ -352,13 +352,13 @@ void LaneSystem::put(std::size_t lane, const Model& model, std::uint64_t steps) 
   }
   const std::size_t w = width();
   double* to = numbers_ + lane;
-  std::size_t place = lane;  // among travels
+  std::size_t index = lane;  // among travels
   for (const LaneCall& call : model.assembly().lane_calls()) {
     for (const LaneTravel& travel : call.form.travels) {
-      travels_.velocity[place] = *travel.velocity;
-      travels_.shift_high[place] = travel.shift->hi;
-      travels_.shift_low[place] = travel.shift->lo;
-      place += w;
+      travels_.velocity[index] = *travel.velocity;
+      travels_.shift_high[index] = travel.shift->hi;
+      travels_.shift_low[index] = travel.shift->lo;
+      index += w;
     }
     for (const auto& numbers : call.form.numbers) {
       for (const double number : numbers) {

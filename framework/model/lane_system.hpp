@@ -47,7 +47,7 @@ class LaneSystem {
   void follow_time();
   /// Its state.
   void get(std::size_t lane, Model& model) const;
-  /// True unless it is certain that Model::rebase_if_due() of the lane's model does nothing.
+  /// True unless it is certain that Model::rebase_if_needed() of the lane's model does nothing.
   bool may_rebase(std::size_t lane) const;
 
  private:

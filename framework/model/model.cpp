@@ -28,7 +28,7 @@ BodyGeometry build(const SceneBody& body, int dimension) {
   const bool fits = geometry.anchor.size() == axes &&
                     geometry.relative.size() == static_cast<std::size_t>(count) &&
                     std::all_of(geometry.relative.begin(), geometry.relative.end(),
-                                [axes](const auto& place) { return place.size() == axes; });
+                                [axes](const auto& point) { return point.size() == axes; });
   if (!fits) {
     throw UnfitPart(
         fmt::format("its geometry is not that of {} particles in {} dimensions", count, dimension));
@@ -46,7 +46,7 @@ std::int64_t cells_near(const FinalState& from, const Origin& origin, int axis) 
   const double unit = origin.unit[axis];
   if (unit == from.origin.unit[axis] || !(unit > 0.0)) return from.origin.cells[axis];
   return static_cast<std::int64_t>(
-      static_cast<double>(absolute_place(from.origin, axis, 0.0) / Quad(unit)));
+      static_cast<double>(absolute_position(from.origin, axis, 0.0) / Quad(unit)));
 }
 
 }  // namespace
@@ -113,7 +113,7 @@ void Model::build_elastic() {
   elastic_ = elastic_bodies(assembly_, fault);
   if (!fault.empty()) {
     throw InputError(
-        {Fault(FaultCode::integrator_unsuitable, scheme.place, "run.integrator.type",
+        {Fault(FaultCode::integrator_unsuitable, scheme.location, "run.integrator.type",
                "\"" + scheme.record->name + "\"", "splits bonds and friction off, but " + fault,
                integrators_with_bonds_as_forces(*scene_))});
   }
@@ -129,7 +129,7 @@ void Model::build_tangent() {
   tangent_ = std::make_unique<ForceTangent>(assembly_);
   if (!tangent_->unknown().empty()) {
     throw InputError(
-        {Fault(FaultCode::integrator_unsuitable, scheme.place, "run.integrator.type",
+        {Fault(FaultCode::integrator_unsuitable, scheme.location, "run.integrator.type",
                "\"" + scheme.record->name + "\"",
                "solves equations with the forces' derivatives, but " + tangent_->unknown(),
                integrators_for_any_scene(*scene_))});
@@ -155,7 +155,7 @@ void Model::keep_shapes() {
 
 void Model::place_origin() {
   for (int d = 0; d < dimension(); ++d) {
-    origin_place_[d] = DoubleDouble(static_cast<double>(origin_.cells[d])) * origin_.unit[d];
+    origin_position_[d] = DoubleDouble(static_cast<double>(origin_.cells[d])) * origin_.unit[d];
   }
 }
 
@@ -294,7 +294,7 @@ double Model::energy_of(const Force& force, const DoubleDouble& time) {
 }
 
 /// The support of a driver that has become active moves from here on: from where the spring has
-/// no force, unless its place is given.
+/// no force, unless its position is given.
 void Model::set_out(const Force& force, const DoubleDouble& time) {
   PulledEnd* const end = pulled_end_of(force.bound.get());
   if (end == nullptr || force.first_rate == kNoRate) return;
@@ -357,7 +357,7 @@ void Model::orient() {
   }
 }
 
-bool Model::reorient_if_due() {
+bool Model::reorient_if_needed() {
   /// In rad; p has no value for half a turn, and a step turns a body by a radian at most.
   constexpr double kFar = 0.25;
   bool changed = false;
@@ -385,7 +385,7 @@ bool Model::reorient_if_due() {
   return changed;
 }
 
-bool Model::rebase_if_due() {
+bool Model::rebase_if_needed() {
   bool rebased = false;
   SystemView<double>& view = system().view;
   std::array<std::int64_t, 3> moved_cells{};

@@ -28,7 +28,7 @@ class ModelFollower {
  public:
   virtual ~ModelFollower() = default;
   virtual void begin_step(const DoubleDouble& time) = 0;
-  /// Places are relative to this origin from now on.
+  /// Positions are relative to this origin from now on.
   virtual void rebase(const Origin& origin) = 0;
   /// The state follows an origin that has moved by so many cells; the model's own has done so.
   virtual void shift_by(const std::array<std::int64_t, 3>& cells) = 0;
@@ -92,12 +92,12 @@ class Model {
 
   /// Move the origin when everything has moved by a cell or more. Cheap when nothing has. True when
   /// it did.
-  bool rebase_if_due();
+  bool rebase_if_needed();
   /// How often it did.
   std::uint64_t rebases() const { return rebases_; }
   /// The orientations that rotors' coordinates are relative to follow the bodies; coordinates and
   /// velocities change with them. Cheap when nothing has turned far. True where one did.
-  bool reorient_if_due();
+  bool reorient_if_needed();
   bool has_rotors() const { return assembly_.rotor_count() > 0; }
 
   /// Stages count their time from here on.
@@ -119,11 +119,12 @@ class Model {
   /// Rotation from the start in turns, within (-1/2, 1/2] for a flexible body and as the coordinate
   /// has it for a rigid one.
   double rotation(std::size_t body, const double* position) const;
-  /// Places of a body's particles in the scene's own coordinates, [particle][axis]; those of bodies
-  /// whose particles follow from few coordinates are as of the last evaluation. Returns the end.
+  /// Positions of a body's particles in the scene's own coordinates, [particle][axis]; those of
+  /// bodies whose particles follow from few coordinates are as of the last evaluation. Returns the
+  /// end.
   double* place_particles(std::size_t body, const double* position, double* result) const;
-  /// A place relative to the origin in the scene's own coordinates: cells added back.
-  DoubleDouble placed(int axis, double offset) const { return origin_place_[axis] + offset; }
+  /// A position relative to the origin in the scene's own coordinates: cells added back.
+  DoubleDouble placed(int axis, double offset) const { return origin_position_[axis] + offset; }
 
   /// Returns the position of the support of a driver in the scene's own coordinates, at a time
   /// since which its velocity has not changed.
@@ -204,7 +205,7 @@ class Model {
   std::vector<ElasticBody> elastic_;  ///< for schemes that split bonds off
   const ObserveTable& observe_;
   Origin origin_;
-  std::array<DoubleDouble, 3> origin_place_;
+  std::array<DoubleDouble, 3> origin_position_;
   std::vector<AlignedVector<double>> shapes_;  ///< flexible bodies in the plane, see PlanarShape
   DoubleDouble anchor_;                        ///< the time from which stages count
   ModelFollower* follower_ = nullptr;

@@ -82,8 +82,8 @@ auto bound_by(const Component& component, const char* kind, Action action) {
     // The text stays as it is.
   }
   throw InputError(
-      {Fault(FaultCode::plugin_error, component.place, std::string(kind) + "." + component.name, "",
-             "the plugin " + component.record->library + did)});
+      {Fault(FaultCode::plugin_error, component.location, std::string(kind) + "." + component.name,
+             "", "the plugin " + component.record->library + did)});
 }
 
 /// Whether forces or the integrator of a scene, or functions of its records, are those of plugins.

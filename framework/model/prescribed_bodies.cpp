@@ -146,35 +146,38 @@ void PrescribedBodies<Real>::begin_step(const DoubleDouble& time, const Origin& 
 }
 
 template <class Real>
-std::vector<Quad> PrescribedBodies<Real>::place_of(const AssembledBody<Real>& body,
-                                                   const DoubleDouble& time, const Origin& origin,
-                                                   const std::vector<Quad>& own) const {
+std::vector<Quad> PrescribedBodies<Real>::position_of(const AssembledBody<Real>& body,
+                                                      const DoubleDouble& time,
+                                                      const Origin& origin,
+                                                      const std::vector<Quad>& own) const {
   const Steering& steering = steering_[body.steering];
-  std::vector<Quad> place;
+  std::vector<Quad> position;
   for (int d = 0; d < steering.axes; ++d) {
     const Quad start = body.bound.start_centre[d];
-    place.push_back(steering.own[d] < 0 ? absolute_place(first_origin_, d, start) +
-                                              to_quad(steering.travelled(d, time))
-                                        : absolute_place(origin, d, start + own[steering.own[d]]));
+    position.push_back(steering.own[d] < 0
+                           ? absolute_position(first_origin_, d, start) +
+                                 to_quad(steering.travelled(d, time))
+                           : absolute_position(origin, d, start + own[steering.own[d]]));
   }
-  if (steering.planar) place.push_back(to_quad(steering.travelled(3, time)));
-  return place;
+  if (steering.planar) position.push_back(to_quad(steering.travelled(3, time)));
+  return position;
 }
 
 template <class Real>
 void PrescribedBodies<Real>::begin_at(const AssembledBody<Real>& body,
-                                      const std::vector<Quad>& place, const Origin& origin,
+                                      const std::vector<Quad>& position, const Origin& origin,
                                       Real* own) {
   Steering& steering = steering_[body.steering];
   for (int d = 0; d < steering.axes; ++d) {
     const Quad start = body.bound.start_centre[d];
     if (steering.own[d] < 0) {
-      steering.began[d] = to_double_double(place[d] - absolute_place(first_origin_, d, start));
+      steering.began[d] =
+          to_double_double(position[d] - absolute_position(first_origin_, d, start));
     } else {
-      own[steering.own[d]] = static_cast<Real>(place[d] - absolute_place(origin, d, start));
+      own[steering.own[d]] = static_cast<Real>(position[d] - absolute_position(origin, d, start));
     }
   }
-  if (steering.planar) steering.began[3] = to_double_double(place.back());
+  if (steering.planar) steering.began[3] = to_double_double(position.back());
 }
 
 template <class Real>

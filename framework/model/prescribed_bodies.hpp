@@ -47,13 +47,13 @@ class PrescribedBodies {
 
   /// Position of a body, in the scene's own coordinates, with this origin and these internal
   /// variables; a planar one's rotation after it, in rad.
-  std::vector<Quad> place_of(const AssembledBody<Real>& body, const DoubleDouble& time,
-                             const Origin& origin, const std::vector<Quad>& own) const;
+  std::vector<Quad> position_of(const AssembledBody<Real>& body, const DoubleDouble& time,
+                                const Origin& origin, const std::vector<Quad>& own) const;
   /// It starts there, at time 0, and not where the scene says. Writes its internal variables.
-  void begin_at(const AssembledBody<Real>& body, const std::vector<Quad>& place,
+  void begin_at(const AssembledBody<Real>& body, const std::vector<Quad>& position,
                 const Origin& origin, Real* own);
 
-  /// Stages count their time from here on, and places from this origin.
+  /// Stages count their time from here on, and positions from this origin.
   void begin_step(const DoubleDouble& time, const Origin& origin);
 
   /// How far a body has come since the start along an axis, at the anchor.

@@ -18,10 +18,10 @@ struct PropertyPoint {
   std::string body;              ///< empty: everything together
   std::ptrdiff_t particle = -1;  ///< -1: the body as a whole
   std::string coordinate;        ///< "x", "rotation"; empty: all of them
-  std::vector<double> place;     ///< of the particle or the centre, relative to the scene's origin
+  std::vector<double> position;  ///< of the particle or the centre, relative to the scene's origin
   double time = 0.0;
   double found = 0.0;
-  double due = 0.0;
+  double expected = 0.0;
 
   std::string text() const;
 };

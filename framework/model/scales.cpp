@@ -24,9 +24,9 @@ double spacing_along(const Model::Body& body, int axis) {
   for (std::size_t i = 1; i < start.size(); ++i) {
     for (std::size_t d = 0; d < 3; ++d) {
       const double step = start[i][d] - start[i - 1][d];
-      const double due = static_cast<int>(d) == axis ? spacing : 0.0;
+      const double expected = static_cast<int>(d) == axis ? spacing : 0.0;
       const double size = std::abs(spacing) + kEqual * std::abs(start[i][d]);
-      if (std::abs(step - due) > kEqual * size) return 0.0;
+      if (std::abs(step - expected) > kEqual * size) return 0.0;
     }
   }
   return std::abs(spacing);

@@ -44,7 +44,7 @@ constexpr auto word_table(Regime) {
 }
 
 /// The damping against the critical damping, 2 * frequency, of the fastest oscillation that the
-/// bodies' places feel; one within a body counts only when there is no other.
+/// bodies' positions feel; one within a body counts only when there is no other.
 struct Damping {
   Regime regime = Regime::no_oscillation;
   double rate = 0.0;       ///< the largest, 1/time
@@ -114,7 +114,7 @@ struct Misfit {
 struct Scales {
   double frequency = 0.0;     ///< of the fastest motion of all, angular
   double damping_rate = 0.0;  ///< the largest
-  /// Without inertia, in their place: curvature/friction of the fastest motion.
+  /// Without inertia, instead of them: curvature/friction of the fastest motion.
   double relaxation_rate = 0.0;
   /// The least of 1/frequency, 1/damping rate (of friction that is not linear the largest),
   /// 1/relaxation rate and 1/washboard frequency; 0: none.

@@ -62,7 +62,7 @@ class SchemeChecks {
 
  private:
   void refuse(FaultCode code, const std::string& why, const std::string& admissible) {
-    faults_.emplace_back(code, scene_.run.integrator.place, "run.integrator.type",
+    faults_.emplace_back(code, scene_.run.integrator.location, "run.integrator.type",
                          "\"" + scheme_.name + "\"", why, admissible);
   }
 
@@ -79,8 +79,8 @@ class SchemeChecks {
       const std::string why = "the rigid body \"" + body.bound.name + "\" rotates in space, ";
       const std::string held = "hold = [\"rotation\"], or coordinates = \"particles\"";
       if (scene_.run.dynamics != Dynamics::inertial) {
-        faults_.emplace_back(FaultCode::component_unsuitable, place_of("dynamics"), "run.dynamics",
-                             fmt::format("\"{}\"", to_string(scene_.run.dynamics)),
+        faults_.emplace_back(FaultCode::component_unsuitable, location_of("dynamics"),
+                             "run.dynamics", fmt::format("\"{}\"", to_string(scene_.run.dynamics)),
                              why + "which takes inertia", "\"inertial\", or " + held);
       } else if (scheme_.splits_friction || scheme_.needs_tangent || scheme_.conservative_only) {
         refuse(FaultCode::integrator_unsuitable,
@@ -94,7 +94,7 @@ class SchemeChecks {
                    "; or " + held);
       }
       if (scene_.run.number_type != NumberType::double_precision) {
-        faults_.emplace_back(FaultCode::component_unsuitable, place_of("number_type"),
+        faults_.emplace_back(FaultCode::component_unsuitable, location_of("number_type"),
                              "run.number_type",
                              fmt::format("\"{}\"", to_string(scene_.run.number_type)),
                              why + "in double precision alone", "\"double\", or " + held);
@@ -106,7 +106,7 @@ class SchemeChecks {
   /// Random numbers belong to the steps of a grid, and each to one operator in a step.
   void check_noise() {
     if (scene_.run.repeats > 1 && !draws_by_stream(scene_)) {
-      faults_.emplace_back(FaultCode::component_unsuitable, place_of("repeats"), "run.repeats",
+      faults_.emplace_back(FaultCode::component_unsuitable, location_of("repeats"), "run.repeats",
                            fmt::format("{}", scene_.run.repeats),
                            "the scene has no noise: all repeats would be equal",
                            "1, or a force with noise, such as langevin, or a start_temperature");
@@ -116,11 +116,11 @@ class SchemeChecks {
       if (!force.traits.stochastic) continue;
       if (scene_.run.dynamics == Dynamics::quasistatic) {
         faults_.emplace_back(
-            FaultCode::component_unsuitable, place_of("dynamics"), "run.dynamics",
+            FaultCode::component_unsuitable, location_of("dynamics"), "run.dynamics",
             "\"quasistatic\"",
             "follows equilibria without noise, and the force \"" + force.name + "\" is stochastic",
             "\"inertial\" or \"overdamped\", or temperature = 0");
-      } else if (!scheme_.takes_noise && !scene_.run.places.contains("accuracy")) {
+      } else if (!scheme_.takes_noise && !scene_.run.locations.contains("accuracy")) {
         const bool inertial = scene_.run.dynamics == Dynamics::inertial;
         refuse(FaultCode::integrator_unsuitable,
                "draws no random numbers, and the force \"" + force.name + "\" is stochastic",
@@ -135,17 +135,17 @@ class SchemeChecks {
                "coordinates = \"particles\", or the force langevin");
       }
       for (const char* key : {"accuracy", "perturb", "until"}) {
-        if (!scene_.run.places.contains(key) ||
+        if (!scene_.run.locations.contains(key) ||
             (std::string_view(key) == kUntil && waits_for_error()))
           continue;
         if (std::string_view(key) == kUntil) {
-          faults_.emplace_back(FaultCode::component_unsuitable, place_of(key), "run.until", "",
+          faults_.emplace_back(FaultCode::component_unsuitable, location_of(key), "run.until", "",
                                "under the noise of the force \"" + force.name +
                                    "\" means of periods never become alike",
                                "{ error = .., of = .. }, which ends when a mean is known so well");
           continue;
         }
-        faults_.emplace_back(FaultCode::component_unsuitable, place_of(key),
+        faults_.emplace_back(FaultCode::component_unsuitable, location_of(key),
                              std::string("run.") + key, "",
                              "compares runs that differ by little, and the force \"" + force.name +
                                  "\" is stochastic",
@@ -161,13 +161,13 @@ class SchemeChecks {
   void check_until_error() {
     if (!waits_for_error()) return;
     if (!has_noise(scene_)) {
-      faults_.emplace_back(FaultCode::run_until_never, place_of(kUntil), "run.until", "",
+      faults_.emplace_back(FaultCode::run_until_never, location_of(kUntil), "run.until", "",
                            "no force of the scene is stochastic: its means have no statistical "
                            "error",
                            "a duration, or a force with noise, such as langevin");
     }
     if (scene_.run.repeats > 1) {
-      faults_.emplace_back(FaultCode::component_unsuitable, place_of("repeats"), "run.repeats",
+      faults_.emplace_back(FaultCode::component_unsuitable, location_of("repeats"), "run.repeats",
                            fmt::format("{}", scene_.run.repeats),
                            "with run.until each repeat would end at a time of its own",
                            "1, or no run.until");
@@ -179,9 +179,9 @@ class SchemeChecks {
     const bool takes_no_steps = scheme_.bind.in_double == nullptr;
     for (const Force& force : assembly_.forces()) {
       if (!force.record->thermostat || takes_no_steps) continue;
-      if (scene_.run.places.contains("accuracy")) {
-        faults_.emplace_back(FaultCode::component_unsuitable, place_of("accuracy"), "run.accuracy",
-                             "",
+      if (scene_.run.locations.contains("accuracy")) {
+        faults_.emplace_back(FaultCode::component_unsuitable, location_of("accuracy"),
+                             "run.accuracy", "",
                              "chooses among schemes that take no thermostat, and the force \"" +
                                  force.name + "\" is one",
                              "an integrator of fixed steps that takes operators");
@@ -206,10 +206,10 @@ class SchemeChecks {
     const double steps = *output.every / dt;
     constexpr double kOnGrid = 1e-9;
     if (std::round(steps) >= 1.0 && std::abs(steps - std::round(steps)) <= kOnGrid * steps) return;
-    const auto found = output.places.find("every");
+    const auto found = output.locations.find("every");
     faults_.emplace_back(
         FaultCode::component_unsuitable,
-        found == output.places.end() ? output.place : found->second, "output.every",
+        found == output.locations.end() ? output.location : found->second, "output.every",
         fmt::format("{}", *output.every),
         fmt::format("no multiple of the step {}: the force \"{}\" is {}, and samples fall on steps",
                     dt, force.name, force.traits.stochastic ? "stochastic" : "a thermostat"),
@@ -219,9 +219,9 @@ class SchemeChecks {
                     (std::max(1.0, std::floor(steps)) + 1.0) * dt));
   }
 
-  const Place& place_of(const char* key) const {
-    const auto found = scene_.run.places.find(key);
-    return found == scene_.run.places.end() ? scene_.run.place : found->second;
+  const SourceLocation& location_of(const char* key) const {
+    const auto found = scene_.run.locations.find(key);
+    return found == scene_.run.locations.end() ? scene_.run.location : found->second;
   }
 
   void check_split_friction() {
@@ -302,11 +302,11 @@ class SchemeChecks {
   }
 
   void check_dynamics() {
-    const Place& place = place_of("dynamics");
+    const SourceLocation& location = location_of("dynamics");
     for (const Force& force : assembly_.forces()) {
       if (!depends_on_velocity_otherwise(force)) continue;
       faults_.emplace_back(
-          FaultCode::component_unsuitable, place, "run.dynamics",
+          FaultCode::component_unsuitable, location, "run.dynamics",
           fmt::format("\"{}\"", to_string(scene_.run.dynamics)),
           "the force \"" + force.name + "\" depends on velocity and is not linear friction",
           "\"inertial\"");

@@ -59,7 +59,7 @@ std::shared_ptr<const Scene> with_forces(const Scene& scene, std::vector<SceneFo
   // Both need noise, which may be another force's.
   with->run.repeats = 1;
   with->run.until.reset();
-  with->run.places.erase("until");
+  with->run.locations.erase("until");
   return with;
 }
 

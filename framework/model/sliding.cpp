@@ -14,7 +14,7 @@
 namespace tomlin {
 namespace {
 
-/// Places of a rigid shift over one period, and the difference that slopes are taken by: a
+/// Positions of a rigid shift over one period, and the difference that slopes are taken by: a
 /// sinusoid's largest slope is met to 1e-4 and taken to 1e-5.
 constexpr int kShifts = 200;
 constexpr double kDifference = 1e-3;  // of the period
@@ -71,7 +71,7 @@ Slopes slopes_of(SingleForce& alone, std::size_t body, int axis, double period) 
   return slopes;
 }
 
-/// Whether its place along an axis is one coordinate, which nothing but that moves.
+/// Whether its position along an axis is one coordinate, which nothing but that moves.
 bool is_one_coordinate(const Model::Body& body, int axis) {
   if (!follows_forces(body.bound.coordinates) || body.held[static_cast<std::size_t>(axis)])
     return false;
@@ -102,12 +102,12 @@ bool are_coupled(const Model& model, std::size_t one, std::size_t other) {
 class Pull {
  public:
   Pull(Scales& scales, Model& model, std::size_t substrate_in_scene, const Model::Force& substrate)
-      : scales_(scales), model_(model), place_(substrate_in_scene), substrate_(substrate) {}
+      : scales_(scales), model_(model), index_(substrate_in_scene), substrate_(substrate) {}
 
   /// By one driver, of the bodies under the substrate, along one axis.
   void add(const Model::Force& driver, int axis) {
     const Drive& drive = *driver.drive();
-    const SceneForce& from = model_.scene().forces[place_];
+    const SceneForce& from = model_.scene().forces[index_];
     const double period = from.period(axis);
     const double length =
         period > 0.0 ? period : from.record->origin_cell(from.description.get(), axis);
@@ -128,7 +128,7 @@ class Pull {
       sliding.stiffness = sliding.driver_stiffness = drive.stiffness_on(axis);
       if (!acts_on(driver, b) && !(known && add_bond(sliding, driver, b))) continue;
       sliding.curvature = std::max(0.0, bound) * static_cast<double>(body.bound.slot.count);
-      SingleForce alone(model_.scene(), place_);
+      SingleForce alone(model_.scene(), index_);
       sliding.curvature_as_placed = slopes_of(alone, b, axis, length).largest();
       if (period > 0.0) sliding.washboard_frequency = kTau * std::abs(velocity) / period;
       sliding.rolling_radius = body.rolling_radius;
@@ -178,7 +178,7 @@ class Pull {
     std::vector<double> others;
     const std::vector<SceneForce>& forces = model_.scene().forces;
     for (std::size_t k = 0; k < forces.size(); ++k) {
-      if (k == place_ || forces[k].name == driver.name) continue;
+      if (k == index_ || forces[k].name == driver.name) continue;
       SingleForce alone(model_.scene(), k);
       if (!alone.built()) continue;
       const Traits traits = forces[k].traits();
@@ -208,7 +208,7 @@ class Pull {
 
   Scales& scales_;
   Model& model_;
-  std::size_t place_;  ///< in the scene
+  std::size_t index_;  ///< in the scene
   const Model::Force& substrate_;
 };
 

@@ -132,14 +132,14 @@ class ScaledHessian : public HessianSink {
     return n;
   }
 
-  /// How a place follows from coordinates: by one of them, or by a rigid body's centre and
+  /// How a position follows from coordinates: by one of them, or by a rigid body's centre and
   /// rotation, or rotations. Those without one come last.
   struct Part {
     std::ptrdiff_t coordinate = kNone;
     double factor = 0.0;
   };
   using Parts = std::array<Part, 4>;
-  using Arm = std::array<double, 3>;  ///< how far a place moves by each rotation
+  using Arm = std::array<double, 3>;  ///< how far a position moves by each rotation
 
   Parts parts(std::size_t b, std::size_t particle, int axis) const {
     const Model::Body& body = model_.bodies()[b];
@@ -168,8 +168,8 @@ class ScaledHessian : public HessianSink {
     return parts;
   }
 
-  /// How far a place moves along an axis when the body turns by a small angle: in the plane about
-  /// its pivot, in space about each of its principal axes.
+  /// How far a position moves along an axis when the body turns by a small angle: in the plane
+  /// about its pivot, in space about each of its principal axes.
   static Arm across(const Model::Body& body, const std::array<double, 3>& arm, int axis) {
     if (body.rotor) {
       const Matrix3 axes = matrix_of(body.orientation);
@@ -589,7 +589,7 @@ Model::Stiffness Model::stiffness(bool without_bonds) {
   Stiffness most = stiffness_at(0.0, without_bonds);
   if (!changes) return most;
   for (int k = 1; k <= kTimes; ++k) {
-    // Places that no period of the scene hits again and again.
+    // Positions that no period of the scene hits again and again.
     const double turn = 0.6180339887498949 * k;
     const Stiffness one =
         stiffness_at((turn - std::floor(turn)) * scene().run.duration, without_bonds);

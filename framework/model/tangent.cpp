@@ -192,7 +192,7 @@ ForceTangent::Node ForceTangent::node_of(const Assembly<double>::Body& body, std
 }
 
 /// Forces name the same elements wherever things are, and those with a cutoff name all where all
-/// particles coincide: this asks them at no place at all, in arrays of its own.
+/// particles coincide: this asks them at no position at all, in arrays of its own.
 bool ForceTangent::find_elements(Finder& finder) {
   const SystemView<double>& view = assembly_.system().view;
   const AlignedVector<double> nowhere(view.dofs + view.own + 2 * kGroup, 0.0);

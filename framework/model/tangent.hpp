@@ -19,7 +19,7 @@ namespace tomlin {
 
 /// The tangent of a bound scene, from the element Hessians of its forces.
 ///
-/// With P_i the derivative of particle i's place with respect to the coordinates q (for a rigid
+/// With P_i the derivative of particle i's position with respect to the coordinates q (for a rigid
 /// body about its present arms), H the element Hessians, c friction coefficients, F_i the force on
 /// particle i and phi the rotation of its body:
 ///   K = sum P^T H P  -  sum F_i . d2x_i/dphi2  -  (drag's change as arms turn),  G = sum c_i P_i^T
@@ -58,7 +58,7 @@ class ForceTangent final : public Tangent {
   class Sink;
   class Finder;
 
-  /// How a place along an axis follows from the free coordinates: by one of them, or by a rigid
+  /// How a position along an axis follows from the free coordinates: by one of them, or by a rigid
   /// body's centre and rotation.
   static constexpr std::ptrdiff_t kNone = -1;
   struct Part {

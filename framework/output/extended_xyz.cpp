@@ -51,7 +51,7 @@ std::string head_of(const RunLayout& layout, const TrajectoryFacts& facts) {
   return head + "time=";
 }
 
-/// Behind the places of a particle.
+/// Behind the positions of a particle.
 std::string end_of_line(std::size_t body) { return fmt::format(" {}\n", body); }
 
 }  // namespace
@@ -59,11 +59,11 @@ std::string end_of_line(std::size_t body) { return fmt::format(" {}\n", body); }
 std::size_t xyz_bytes_per_frame(const RunLayout& layout, const TrajectoryFacts& facts) {
   const auto axes = static_cast<std::size_t>(layout.dimension);
   // A blank and a number for each axis, a blank and a zero for each that is missing.
-  const std::size_t places = axes * (1 + kLongestNumber) + (kTrajectoryAxes - axes) * 2;
+  const std::size_t of_positions = axes * (1 + kLongestNumber) + (kTrajectoryAxes - axes) * 2;
   std::size_t bytes = head_of(layout, facts).size() + kLongestNumber + 1;
   for (std::size_t b = 0; b < layout.bodies.size(); ++b) {
     const TrajectoryBody& body = layout.bodies[b];
-    bytes += body.mass.size() * (places + end_of_line(b).size());
+    bytes += body.mass.size() * (of_positions + end_of_line(b).size());
     for (std::size_t i = 0; i < body.mass.size(); ++i) {
       bytes += species_name(layout, body, i).size();
     }
@@ -79,14 +79,14 @@ void ExtendedXyzWriter::write(double time, std::span<const double> positions) {
   buffer_ += head_;
   append_number(buffer_, time);
   buffer_ += '\n';
-  const double* place = positions.data();
+  const double* next = positions.data();
   for (std::size_t b = 0; b < layout_.bodies.size(); ++b) {
     const std::string body = end_of_line(b);
     for (std::size_t i = 0; i < layout_.bodies[b].mass.size(); ++i) {
       buffer_ += species_name(layout_, layout_.bodies[b], i);
       for (std::size_t d = 0; d < kTrajectoryAxes; ++d) {
         buffer_ += ' ';
-        append_number(buffer_, d < static_cast<std::size_t>(layout_.dimension) ? *place++ : 0.0);
+        append_number(buffer_, d < static_cast<std::size_t>(layout_.dimension) ? *next++ : 0.0);
       }
       buffer_ += body;
       if (buffer_.size() >= kFrameBuffer) flush();

@@ -228,8 +228,8 @@ template class Hdf5Series<std::int64_t>;
 
 double h5md_bytes_per_frame(const RunLayout& layout) {
   const std::size_t edges = TrajectoryBox(layout).any() ? kTrajectoryAxes : 0;
-  const std::size_t places = layout.particles() * kTrajectoryAxes;
-  return static_cast<double>((places + edges + 1) * sizeof(double) + sizeof(std::int64_t));
+  const std::size_t positions = layout.particles() * kTrajectoryAxes;
+  return static_cast<double>((positions + edges + 1) * sizeof(double) + sizeof(std::int64_t));
 }
 
 double h5md_bytes_besides(const RunLayout& layout, const TrajectoryFacts& facts) {
@@ -256,8 +256,8 @@ H5mdWriter::H5mdWriter(const std::filesystem::path& file, const RunLayout& layou
     : TrajectoryWriter(file, layout),
       hdf5_(file),
       box_(layout),
-      places_(hdf5_, "value", {layout.particles(), kTrajectoryAxes},
-              {dimension::length, facts.units}),
+      positions_(hdf5_, "value", {layout.particles(), kTrajectoryAxes},
+                 {dimension::length, facts.units}),
       times_(hdf5_, "time", {}, {dimension::time, facts.units}),
       steps_(hdf5_, "step", {}, {dimension::none, facts.units}),
       lengths_(hdf5_, "value", {kTrajectoryAxes}, {dimension::length, facts.units}) {
@@ -336,10 +336,10 @@ void H5mdWriter::describe_box(hid_t all) {
 
 void H5mdWriter::write(double time, std::span<const double> positions) {
   const auto axes = static_cast<std::size_t>(layout_.dimension);
-  const std::span<double> places = places_.next(position_);
+  const std::span<double> row = positions_.next(position_);
   for (std::size_t i = 0; i < layout_.particles(); ++i) {
     for (std::size_t d = 0; d < axes; ++d) {
-      places[i * kTrajectoryAxes + d] = positions[i * axes + d];
+      row[i * kTrajectoryAxes + d] = positions[i * axes + d];
     }
   }
   times_.next(position_).front() = time;
@@ -348,7 +348,7 @@ void H5mdWriter::write(double time, std::span<const double> positions) {
 }
 
 void H5mdWriter::finish() {
-  places_.finish(position_);
+  positions_.finish(position_);
   times_.finish(position_);
   steps_.finish(position_);
   if (box_.any()) {

@@ -96,7 +96,7 @@ class H5mdWriter : public TrajectoryWriter {
   const TrajectoryBox box_;
   Hdf5Handle position_;  ///< group
   Hdf5Handle edges_;     ///< group, where the box is periodic
-  Hdf5Series<double> places_;
+  Hdf5Series<double> positions_;
   Hdf5Series<double> times_;
   Hdf5Series<std::int64_t> steps_;
   Hdf5Series<double> lengths_;  ///< of the box

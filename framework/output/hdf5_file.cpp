@@ -66,18 +66,18 @@ void attempt(Disk& disk, Action action) {
   }
 }
 
-herr_t read(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t place, size_t size, void* bytes) {
+herr_t read(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t offset, size_t size, void* bytes) {
   Disk& disk = *driven(file).disk;
-  attempt(disk, [&] { disk.output.read_at(place, {static_cast<std::byte*>(bytes), size}); });
+  attempt(disk, [&] { disk.output.read_at(offset, {static_cast<std::byte*>(bytes), size}); });
   return disk.trouble ? -1 : 0;
 }
 
-herr_t write(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t place, size_t size, const void* bytes) {
+herr_t write(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t offset, size_t size, const void* bytes) {
   Driven& self = driven(file);
   attempt(*self.disk, [&] {
-    self.disk->output.write_at(place, {static_cast<const std::byte*>(bytes), size});
+    self.disk->output.write_at(offset, {static_cast<const std::byte*>(bytes), size});
   });
-  self.end = std::max<haddr_t>(self.end, place + size);
+  self.end = std::max<haddr_t>(self.end, offset + size);
   return 0;
 }
 

@@ -28,7 +28,7 @@ struct JournalHeader {
   RunLayout layout;
 };
 
-/// A place between two records. Two journals with the same mark agree in every byte before it.
+/// A position between two records. Two journals with the same mark agree in every byte before it.
 struct JournalMark {
   std::uint64_t bytes = 0;
   std::uint64_t checksum = kFirstChecksum;  ///< of the record before, and through it of all
@@ -104,7 +104,7 @@ class JournalReader {
   explicit JournalReader(const std::filesystem::path& file);
 
   const JournalHeader& header() const { return header_; }
-  /// The place up to which everything was read and found right; at first, behind the header.
+  /// The position up to which everything was read and found right; at first, behind the header.
   const JournalMark& mark() const { return mark_; }
   /// Bytes in the file.
   std::uint64_t size() const { return size_; }

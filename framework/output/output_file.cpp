@@ -58,12 +58,12 @@ void OutputFile::append(std::span<const std::byte> bytes) {
   if (const int error = write_all(descriptor_, bytes)) fail(error);
 }
 
-void OutputFile::write_at(std::uint64_t place, std::span<const std::byte> bytes) {
-  if (const int error = tomlin::write_at(descriptor_, bytes, place)) fail(error);
+void OutputFile::write_at(std::uint64_t offset, std::span<const std::byte> bytes) {
+  if (const int error = tomlin::write_at(descriptor_, bytes, offset)) fail(error);
 }
 
-void OutputFile::read_at(std::uint64_t place, std::span<std::byte> bytes) const {
-  const std::ptrdiff_t read = tomlin::read_at(descriptor_, bytes, place);
+void OutputFile::read_at(std::uint64_t offset, std::span<std::byte> bytes) const {
+  const std::ptrdiff_t read = tomlin::read_at(descriptor_, bytes, offset);
   if (read < 0) fail(static_cast<int>(-read));
   std::fill(bytes.begin() + read, bytes.end(), std::byte{0});
 }

@@ -47,9 +47,9 @@ class OutputFile {
   void append(std::string_view text);
   void append(std::span<const std::byte> bytes);
   /// Writes anywhere in the file; bytes before that were never written are zero.
-  void write_at(std::uint64_t place, std::span<const std::byte> bytes);
+  void write_at(std::uint64_t offset, std::span<const std::byte> bytes);
   /// Reads what was written there; zeros behind the end.
-  void read_at(std::uint64_t place, std::span<std::byte> bytes) const;
+  void read_at(std::uint64_t offset, std::span<std::byte> bytes) const;
   void resize(std::uint64_t size);
   /// Gives the file its name, replacing one that has it.
   void publish(Lasting lasting = Lasting::with_its_name);

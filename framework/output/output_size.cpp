@@ -122,15 +122,16 @@ void require_room(const Scene& scene, const OutputSize& size, double room) {
   if (size.rows <= kMostRows && size.together() <= room) return;
   Fault fault(FaultCode::output_too_large);
   if (!scene.output.every) {
-    fault.place = scene.run.place;
+    fault.location = scene.run.location;
     fault.key = "run";
     fault.why = fmt::format("its checkpoints take up to {}; {}",
                             bytes_text(2.0 * (size.checkpoint + size.store)), room_text(room));
     fault.admissible = "a folder with more room";
     throw InputError({fault});
   }
-  const auto place = scene.output.places.find("every");
-  fault.place = place == scene.output.places.end() ? scene.output.place : place->second;
+  const auto location = scene.output.locations.find("every");
+  fault.location =
+      location == scene.output.locations.end() ? scene.output.location : location->second;
   fault.key = "output.every";
   fault.value = fmt::format("{:g}", *scene.output.every);
   fault.why = fmt::format("the run would write {}{:.10g} rows, up to {}; {}",

@@ -23,7 +23,7 @@ class Bibliography {
  public:
   void add(const std::string& source, const std::string& used_for) {
     for (Citation& citation : citations(source)) {
-      const auto [known, is_new] = places_.try_emplace(identity_of(citation), works_.size());
+      const auto [known, is_new] = indices_.try_emplace(identity_of(citation), works_.size());
       if (is_new) works_.push_back({std::move(citation.work), {}});
       auto& users = works_[known->second].used_for;
       if (std::find(users.begin(), users.end(), used_for) == users.end()) {
@@ -37,7 +37,7 @@ class Bibliography {
 
  private:
   std::vector<CitedWork> works_;
-  std::map<std::string, std::size_t> places_;
+  std::map<std::string, std::size_t> indices_;
 };
 
 }  // namespace

@@ -65,7 +65,7 @@ RunFolder::RunFolder(const fs::path& folder, Occupied occupied, std::span<const 
       refuse_folder(FaultCode::file_cannot_write, folder_, "a dangling symbolic link",
                     kUsableFolder);
     }
-    check_place_for_new();
+    check_location_for_new();
   } else {
     refuse_folder(FaultCode::file_cannot_write, folder_, error.message());
   }
@@ -141,7 +141,7 @@ bool RunFolder::holds(std::string_view name) const {
   return fs::exists(status);
 }
 
-void RunFolder::check_place_for_new() const {
+void RunFolder::check_location_for_new() const {
   std::error_code error;
   fs::path ancestor = above(folder_);
   while (!fs::exists(fs::status(ancestor, error)) && ancestor != above(ancestor)) {

@@ -44,8 +44,8 @@ enum class Occupied {
 /// has the folder, a study as well.
 class RunFolder {
  public:
-  /// Looks, and makes nothing. Throws InputError when the folder cannot be used, or no file be put
-  /// in the place of one of these names.
+  /// Looks, and makes nothing. Throws InputError when the folder cannot be used, or no file be
+  /// written under one of these names.
   RunFolder(const std::filesystem::path& folder, Occupied occupied,
             std::span<const char* const> names = kFilesOfARun);
   /// A folder that was made and never written to disappears again, and so does a journal that
@@ -92,7 +92,7 @@ class RunFolder {
  private:
   void check_folder() const;
   void check_occupied() const;
-  void check_place_for_new() const;
+  void check_location_for_new() const;
   void look_again() const;
   bool is_unused() const;
   bool holds_any_run() const;

@@ -138,7 +138,8 @@ void load_plugins(const std::vector<PluginRequest>& requests, Registry& registry
     const PluginFile file = examine_plugin(request.path);
     const std::string why = file.why.empty() ? load(request, file, registry) : file.why;
     if (why.empty()) continue;
-    faults.emplace_back(file.code, request.place, "plugins", fmt::format("\"{}\"", request.given),
+    faults.emplace_back(file.code, request.location, "plugins",
+                        fmt::format("\"{}\"", request.given),
                         fmt::format("the plugin {}: {}", request.path.string(), why));
   }
   if (!faults.empty()) throw InputError(std::move(faults));

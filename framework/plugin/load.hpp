@@ -15,7 +15,7 @@ namespace tomlin {
 struct PluginRequest {
   std::string given;           ///< as it was written
   std::filesystem::path path;  ///< absolute
-  Place place;                 ///< where it was written
+  SourceLocation location;     ///< where it was written
   bool everywhere = false;     ///< see Library
 };
 

@@ -41,13 +41,13 @@ bool has_default_handler() {
 Fault with_arguments(Fault fault) {
   static constexpr std::pair<std::string_view, std::string_view> kArguments[] = {
       {"--force", "force=True"}, {"--resume", "resume=True"}};
-  for (std::string* text : {&fault.place.file, &fault.why, &fault.admissible}) {
+  for (std::string* text : {&fault.location.file, &fault.why, &fault.admissible}) {
     for (const auto& [option, argument] : kArguments) {
       const std::size_t at = text->find(option);
       if (at != std::string::npos) text->replace(at, option.size(), argument);
     }
   }
-  if (fault.place.file == "-o") fault.place.file = "folder=";
+  if (fault.location.file == "-o") fault.location.file = "folder=";
   return fault;
 }
 
@@ -55,9 +55,9 @@ py::dict dict_of(const Fault& from) {
   const Fault fault = with_arguments(from);
   py::dict all;
   all["code"] = std::string(id_of(fault.code));
-  all["file"] = text_of(fault.place.file);
-  all["line"] = fault.place.line;
-  all["column"] = fault.place.column;
+  all["file"] = text_of(fault.location.file);
+  all["line"] = fault.location.line;
+  all["column"] = fault.location.column;
   all["key"] = text_of(fault.key);
   all["value"] = text_of(fault.value);
   all["message"] = text_of(fault.why);

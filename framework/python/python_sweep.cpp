@@ -89,39 +89,39 @@ SweepSettings settings_of(const SceneHandle& scene, const SweepRequest& request,
     settings.unread.clear();
     settings.zips.clear();
   }
-  const Place place{"over"};
+  const SourceLocation location{"over"};
   for (const auto& [name, given] : request.over) {
     if (const auto* texts = std::get_if<std::vector<std::string>>(&given)) {
       if (texts->empty()) {
-        faults.emplace_back(FaultCode::command_missing_argument, place, name, "", "no values",
+        faults.emplace_back(FaultCode::command_missing_argument, location, name, "", "no values",
                             "at least one value");
         settings.unread.push_back(name);
         continue;
       }
-      settings.over.push_back({name, SweepValues::listed(*texts), place, ""});
+      settings.over.push_back({name, SweepValues::listed(*texts), location, ""});
       continue;
     }
-    add_axis(settings, name, std::get<std::string>(given), place, faults);
+    add_axis(settings, name, std::get<std::string>(given), location, faults);
   }
   if (!request.zips.empty()) settings.zips.clear();
-  for (const auto& zip : request.zips) settings.zips.push_back({zip, Place{"zip"}});
+  for (const auto& zip : request.zips) settings.zips.push_back({zip, SourceLocation{"zip"}});
   settings.continues = request.continues.value_or(settings.continues);
-  if (request.repeats) settings.repeats = {*request.repeats, Place{"repeats"}, ""};
+  if (request.repeats) settings.repeats = {*request.repeats, SourceLocation{"repeats"}, ""};
   add_repeats(settings, faults);
-  if (request.refine) settings.refine.what = {*request.refine, Place{"refine"}, ""};
+  if (request.refine) settings.refine.what = {*request.refine, SourceLocation{"refine"}, ""};
   if (request.refine_along)
-    settings.refine.along = {*request.refine_along, Place{"refine_along"}, ""};
-  if (request.refine_to) settings.refine.to = {*request.refine_to, Place{"refine_to"}, ""};
+    settings.refine.along = {*request.refine_along, SourceLocation{"refine_along"}, ""};
+  if (request.refine_to) settings.refine.to = {*request.refine_to, SourceLocation{"refine_to"}, ""};
   if (!request.observables.empty()) {
     settings.observables = request.observables;
-    settings.observables_place = Place{"observables"};
+    settings.observables_location = SourceLocation{"observables"};
   }
   if (settings.over.empty() && settings.unread.empty()) {
-    faults.emplace_back(FaultCode::command_missing_argument, place, "", "", "nothing to sweep over",
-                        "names and their values");
+    faults.emplace_back(FaultCode::command_missing_argument, location, "", "",
+                        "nothing to sweep over", "names and their values");
   }
   if (settings.observables.empty() && !settings.refine.what) {
-    faults.emplace_back(FaultCode::command_missing_argument, Place{"observables"}, "", "",
+    faults.emplace_back(FaultCode::command_missing_argument, SourceLocation{"observables"}, "", "",
                         "no observable", "a dotted path in the summary");
   }
   return settings;

@@ -51,14 +51,15 @@ std::vector<Followed> asked_for(const PerturbSettings& settings,
   const std::vector<std::string>& paths =
       settings.observables.empty() ? measured : settings.observables;
   if (paths.empty()) return mean_forces(result);
-  const auto found = settings.places.find("observables");
-  const Place& place = found == settings.places.end() ? settings.place : found->second;
+  const auto found = settings.locations.find("observables");
+  const SourceLocation& location =
+      found == settings.locations.end() ? settings.location : found->second;
   std::vector<Followed> all;
   for (const std::string& path : paths) {
-    observable(result, path, place);
+    observable(result, path, location);
     if (path.starts_with("performance.")) {
       throw InputError(
-          {Fault(FaultCode::observable_unknown, place, "run.perturb.observables", path,
+          {Fault(FaultCode::observable_unknown, location, "run.perturb.observables", path,
                  "how fast a run was is not a result of it", "an observable of the scene")});
     }
     all.push_back({path, {path}, {}});

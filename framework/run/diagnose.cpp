@@ -86,16 +86,16 @@ struct NotFinite {
 NotFinite not_finite(Model& model, const DoubleDouble& time, double h) {
   SystemView<double>& s = model.system().view;
   AlignedVector<double> rates(s.rates + 2 * kGroup, 0.0);
-  AlignedVector<double> place(s.position, s.position + s.dofs);
-  place.resize(s.dofs + 2 * kGroup, 0.0);
+  AlignedVector<double> position(s.position, s.position + s.dofs);
+  position.resize(s.dofs + 2 * kGroup, 0.0);
   NotFinite found;
   for (const double part : {0.0, 0.5, 1.0}) {
     const DoubleDouble then = time + DoubleDouble(part * h);
     model.anchor(then);  // where formulas count their time from; nothing goes on after a failure
-    for (std::size_t i = 0; i < s.dofs; ++i) place[i] = s.position[i] + part * h * s.velocity[i];
-    model.evaluate_at(then, place.data(), s.velocity, s.integrals, rates.data());
+    for (std::size_t i = 0; i < s.dofs; ++i) position[i] = s.position[i] + part * h * s.velocity[i];
+    model.evaluate_at(then, position.data(), s.velocity, s.integrals, rates.data());
     const Stage<double> stage = stage_of(
-        s, static_cast<const double*>(place.data()), static_cast<const double*>(s.velocity),
+        s, static_cast<const double*>(position.data()), static_cast<const double*>(s.velocity),
         static_cast<const double*>(s.integrals), rates.data(), 0.0);
     for (const Model::Force& force : model.forces()) {
       if (found.why.empty()) found = {force.name, force.bound->why_not_finite(stage)};
@@ -106,7 +106,7 @@ NotFinite not_finite(Model& model, const DoubleDouble& time, double h) {
   return found;
 }
 
-/// Whether two particles of a body stand in one place, or meet within a step of h on their way.
+/// Whether two particles of a body coincide, or meet within a step of h on their way.
 bool particles_meet(const Model& model, const SystemView<double>& s, const std::string& name,
                     double h) {
   constexpr std::size_t kFew = 500;       // a message is not worth more than this squared

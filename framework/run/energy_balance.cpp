@@ -71,7 +71,7 @@ double allowed_by_tolerance(const SampledWork& found, const RunContext& run) {
   const double length = tolerance_scales(run.model.system().view).length;
   const auto tolerance = tolerance_of(settings.integrator, length);
   if (run.plan.dt > 0.0 || !tolerance) return std::numeric_limits<double>::infinity();
-  const double part = std::max(*tolerance, last_place_of(settings.number_type));
+  const double part = std::max(*tolerance, epsilon_of(settings.number_type));
   const double energy = std::max(found.kinetic, found.stored);
   const auto steps = static_cast<double>(run.clock.steps());
   return kTolerances * part * (found.work + found.heat + steps * energy);
@@ -105,7 +105,7 @@ EnergyBalance::~EnergyBalance() = default;
 
 void EnergyBalance::attach(double* reals, std::int64_t* integers) {
   sums_ = reals;
-  place_ = integers;
+  progress_ = integers;
 }
 
 void EnergyBalance::start(double from, double to) {
@@ -170,32 +170,32 @@ bool EnergyBalance::find_heats(RunContext& run) {
 }
 
 std::int64_t EnergyBalance::length_of_stratum() const {
-  const std::int64_t part = grows_ ? place_[kStratum] / kEarlierInStratum : 0;
+  const std::int64_t part = grows_ ? progress_[kStratum] / kEarlierInStratum : 0;
   return std::max(stratum_, part);
 }
 
 std::int64_t EnergyBalance::idle_steps(const RunContext& run) {
   const double now = run.clock.time();
   if (!looks() || now < from_) return kNever;
-  if (place_[kOpen] == kYes && kept_throughout_) {
-    const std::int64_t left = steps_ - (run.clock.steps() - place_[kBlockFirst]);
+  if (progress_[kOpen] == kYes && kept_throughout_) {
+    const std::int64_t left = steps_ - (run.clock.steps() - progress_[kBlockFirst]);
     const auto in_window = static_cast<std::int64_t>((to_ - now) / run.plan.dt);
     return std::max<std::int64_t>(std::min(left, in_window), 0);
   }
-  if (place_[kOpen] != kNo) return 0;
-  if (place_[kStarted] == 0) {
-    place_[kStarted] = 1;
-    place_[kFirst] = run.clock.steps();
+  if (progress_[kOpen] != kNo) return 0;
+  if (progress_[kStarted] == 0) {
+    progress_[kStarted] = 1;
+    progress_[kFirst] = run.clock.steps();
   }
-  const std::int64_t taken = run.clock.steps() - place_[kFirst];
-  if (now <= to_) place_[kSeen] = taken;
+  const std::int64_t taken = run.clock.steps() - progress_[kFirst];
+  if (now <= to_) progress_[kSeen] = taken;
   if (!(now < to_) || run.outcome.done()) return kNever;
-  if (known_ != place_[kStratum]) {
-    known_ = place_[kStratum];
+  if (known_ != progress_[kStratum]) {
+    known_ = progress_[kStratum];
     const auto stratum = static_cast<std::uint64_t>(known_);
     const double part = 0.5 + 0.5 * uniform_symmetric(kKey, {stratum, 0, 0, 0});
-    const auto places = static_cast<double>(length_of_stratum() - steps_ + 1);
-    next_ = known_ + static_cast<std::int64_t>(part * places);
+    const auto offsets = static_cast<double>(length_of_stratum() - steps_ + 1);
+    next_ = known_ + static_cast<std::int64_t>(part * offsets);
   }
   if (taken < next_) return next_ - taken;
   // Blocks of a run's own are whole ones, as other runs in lanes have them.
@@ -203,7 +203,7 @@ std::int64_t EnergyBalance::idle_steps(const RunContext& run) {
 }
 
 std::int64_t EnergyBalance::look(RunContext& run) {
-  if (place_[kOpen] != kNo) {
+  if (progress_[kOpen] != kNo) {
     const std::int64_t left = go_on_with_block(run);
     if (left > 0) return left;
   }
@@ -216,8 +216,8 @@ std::int64_t EnergyBalance::look(RunContext& run) {
   }
   const bool lacks_first = !ledger_->is_kept() && ledger_->lacks_first_step(run);
   ledger_->keep(run, true);
-  place_[kOpen] = kFromNextStep;
-  place_[kBlockFirst] = run.clock.steps();
+  progress_[kOpen] = kFromNextStep;
+  progress_[kBlockFirst] = run.clock.steps();
   if (lacks_first) return 1;
   open_block(run);
   return steps_;
@@ -227,14 +227,14 @@ std::int64_t EnergyBalance::look(RunContext& run) {
 std::int64_t EnergyBalance::go_on_with_block(RunContext& run) {
   ledger_->keep(run, true);  // of a run that resumes within a block, once more
   const bool ends = !(run.clock.time() < to_) || run.outcome.done();
-  const std::int64_t taken = run.clock.steps() - place_[kBlockFirst];
+  const std::int64_t taken = run.clock.steps() - progress_[kBlockFirst];
   if (ends && run.outcome.interrupted) return kNever;  // a resumed run closes it
-  if (place_[kOpen] == kFromNextStep && !ends) {
+  if (progress_[kOpen] == kFromNextStep && !ends) {
     if (taken > 0) open_block(run);
     return taken > 0 ? steps_ : 1;
   }
-  if (place_[kOpen] == kYes && !ends && taken < steps_) return steps_ - taken;
-  close_block(run, place_[kOpen] == kYes ? taken : 0);
+  if (progress_[kOpen] == kYes && !ends && taken < steps_) return steps_ - taken;
+  close_block(run, progress_[kOpen] == kYes ? taken : 0);
   return 0;
 }
 
@@ -244,15 +244,15 @@ void EnergyBalance::open_block(RunContext& run) {
   sums_[kBlockBegin] = run.clock.time();
   sums_[kStoredEnergy] = stored_energy(run);
   std::copy_n(view.integrals, view.rates, sums_ + kReals);
-  place_[kOpen] = kYes;
-  place_[kBlockFirst] = run.clock.steps();
+  progress_[kOpen] = kYes;
+  progress_[kBlockFirst] = run.clock.steps();
 }
 
 /// A block in which the run has failed counts for nothing.
 void EnergyBalance::close_block(RunContext& run, std::int64_t steps) {
   const EnergyTerms terms = ledger_->terms(run, sums_ + kReals, sums_[kBlockBegin]);
   if (!kept_throughout_) ledger_->keep(run, false);
-  place_[kOpen] = kNo;
+  progress_[kOpen] = kNo;
   if (steps > 0 && !run.outcome.failure) count(run, terms, stored_energy(run), steps);
 }
 
@@ -310,7 +310,7 @@ void EnergyBalance::count(const RunContext& run, EnergyTerms terms, double store
 
   // A sample stands for its stratum; the last one of a window may be all that there is of it.
   const std::int64_t stratum = length_of_stratum();
-  place_[kStratum] += stratum;
+  progress_[kStratum] += stratum;
   const auto length = static_cast<double>(steps);
   const double stands_for = steps_ == stratum_ ? length : static_cast<double>(stratum);
   const double weight = stands_for / length;
@@ -329,13 +329,13 @@ void EnergyBalance::count(const RunContext& run, EnergyTerms terms, double store
   sums_[kSquares] += unseen * rate * rate;
   sums_[kCross] += unseen * rate;
   sums_[kWeights] += unseen;
-  ++place_[kSamples];
+  ++progress_[kSamples];
 }
 
 std::optional<SampledWork> EnergyBalance::found() const {
-  if (place_[kSamples] == 0) return {};
+  if (progress_[kSamples] == 0) return {};
   const double steps = sums_[kSteps];
-  const double whole = static_cast<double>(place_[kSeen]) / steps;
+  const double whole = static_cast<double>(progress_[kSeen]) / steps;
   SampledWork found;
   found.work = whole * sums_[kWork];
   found.heat = whole * sums_[kHeat];
@@ -343,9 +343,9 @@ std::optional<SampledWork> EnergyBalance::found() const {
   found.stored = sums_[kStored] / steps;
   found.numerical = whole * sums_[kNumerical];
   if (sums_[kWeights] > 0.0) {
-    if (place_[kSamples] < kFewest) return {};
+    if (progress_[kSamples] < kFewest) return {};
     const double mean = sums_[kNumerical] / (sums_[kUnit] * steps);
-    const auto samples = static_cast<double>(place_[kSamples]);
+    const auto samples = static_cast<double>(progress_[kSamples]);
     const double variance =
         sums_[kSquares] - 2.0 * mean * sums_[kCross] + mean * mean * sums_[kWeights];
     found.uncertainty =

@@ -128,7 +128,7 @@ class EnergyBalance {
   std::int64_t known_ = -1;  ///< the stratum whose sample begins
   std::int64_t next_ = 0;    ///< with this step
   double* sums_ = nullptr;
-  std::int64_t* place_ = nullptr;
+  std::int64_t* progress_ = nullptr;
 };
 
 }  // namespace tomlin

@@ -40,7 +40,7 @@ struct Engine::Parts {
   std::int64_t steps_for_lanes();
   bool count_steps(std::int64_t steps, const DoubleDouble& time);
   void step_alone(std::uint64_t limit);
-  void look_if_due();
+  void look_if_needed();
   RunResult run_all();
   RunResult end();
   void read_rates();
@@ -147,17 +147,18 @@ void Engine::Parts::begin() {
 void Engine::Parts::check_observables() {
   const MeasureSettings& measure = run.scene->measure;
   if (measure.observables.empty() || !run.options.observables.empty()) return;
-  const auto found = measure.places.find("observables");
-  const Place& place = found == measure.places.end() ? measure.place : found->second;
+  const auto found = measure.locations.find("observables");
+  const SourceLocation& location =
+      found == measure.locations.end() ? measure.location : found->second;
   const RunResult asked = result();
   for (const std::string& path : measure.observables) {
     try {
-      observable(asked, path, place);
+      observable(asked, path, location);
     } catch (const InputError&) {
       // The nearest name is one of all.
       auto without = std::make_shared<Scene>(*run.scene);
       without->measure.observables.clear();
-      observable(Parts(without, options_to_bind()).result(), path, place);
+      observable(Parts(without, options_to_bind()).result(), path, location);
       throw;
     }
   }
@@ -267,7 +268,7 @@ bool Engine::Parts::count_steps(std::int64_t steps, const DoubleDouble& time) {
   const std::uint64_t rebased = run.model.rebases();
   run.attempt([&] {
     stepping->count_steps(steps, time);
-    look_if_due();
+    look_if_needed();
   });
   return run.model.rebases() != rebased;
 }
@@ -277,11 +278,11 @@ void Engine::Parts::step_alone(std::uint64_t limit) {
     std::uint64_t most = std::min(limit, kBatch - taken() % kBatch);
     if (balance) most = std::min(most, static_cast<std::uint64_t>(balance->look(run)));
     stepping->advance(most);
-    look_if_due();
+    look_if_needed();
   });
 }
 
-void Engine::Parts::look_if_due() {
+void Engine::Parts::look_if_needed() {
   if (run.outcome.interrupted) return;
   if (run.outcome.done() || taken() % kBatch == 0) observation.look_now_and_then();
 }
@@ -383,7 +384,7 @@ void Engine::watch(std::int64_t first, std::size_t count, const PointStarts<doub
   run.seen = two_prod(static_cast<double>(first + static_cast<std::int64_t>(count)), run.plan.dt);
   parts_->observation.point_block(first, count, starts);
 }
-double Engine::next_due() const { return parts_->observation.next_due(); }
+double Engine::next_time() const { return parts_->observation.next_time(); }
 std::string Engine::why_not_in_lanes() const {
   const RunContext& run = parts_->run;
   std::string reason = tomlin::why_not_in_lanes(run.model);

@@ -64,7 +64,7 @@ class Engine {
   void watch(std::int64_t first, std::size_t count, const PointStarts<double>& starts);
   /// An adaptive step that would end at this time or later is taken by the run itself, outside of
   /// the batch.
-  double next_due() const;
+  double next_time() const;
   /// Why the run takes all its steps by itself; empty: it may be in a batch.
   std::string why_not_in_lanes() const;
   /// One step, or what is left of a block, up to so many steps: one after the other they make the

@@ -307,7 +307,7 @@ void DriverWatch::look_for_slip(const Emit& emit) {
   }
   if ((now - numbers_[kLastFast]) * speed_ < kCalmPart * period_) return;
   const bool known = busy_[kWells] == kKnownWells;
-  double well = place();
+  double well = position();
   if (known && !in_well(well)) return;  // on a barrier
   // A point that only swings in its well has not slipped, nor has one that came to its first well.
   const bool stayed = busy_[kHasWell] == 0 || well == numbers_[kWell];
@@ -327,14 +327,14 @@ bool DriverWatch::is_relaxation() const {
 }
 
 /// The position of the point, in periods from the first well.
-double DriverWatch::place_at(double time, double force) const {
+double DriverWatch::position_at(double time, double force) const {
   const double moved = way(numbers_[kFirstTime], numbers_[kFirstForce], time, force);
   return (moved - numbers_[kWellOffset]) / period_;
 }
 
 /// The well that the point is in, by its number from the start.
 bool DriverWatch::in_well(double& well) const {
-  const double here = place();
+  const double here = position();
   well = std::nearbyint(here);
   return std::abs(here - well) < kInner;
 }
@@ -349,7 +349,7 @@ bool DriverWatch::is_passage() const {
 /// A point that has been in a well before does not slip to it again.
 void DriverWatch::look_for_slip_of_noise(double along, const Emit& emit) {
   const double now = force_.time(0);
-  const double here = place();
+  const double here = position();
   if (busy_[kHasWell] == 0) {
     numbers_[kWell] = std::nearbyint(here);
     busy_[kHasWell] = 1;
@@ -371,7 +371,7 @@ void DriverWatch::look_for_slip_of_noise(double along, const Emit& emit) {
     enter_well();
     return;
   }
-  const double before = place_at(force_.time(1), force_.value(1));
+  const double before = position_at(force_.time(1), force_.value(1));
   numbers_[kStayed] += 0.5 * (before + here) * (now - force_.time(1));
   if ((now - numbers_[kLastFast]) * speed_ * kFastFactor >= period_) end_slip_of_noise(emit);
 }
@@ -379,12 +379,12 @@ void DriverWatch::look_for_slip_of_noise(double along, const Emit& emit) {
 /// Within the last step, on the straight line between its ends: noise leaves no smoother one.
 void DriverWatch::enter_well() {
   const double now = force_.time(0);
-  const double here = place();
+  const double here = position();
   numbers_[kReached] = std::floor(here + kInner);
   const double edge = numbers_[kReached] - kInner;
   numbers_[kLastFast] = now;
   if (force_.count() > 1) {
-    const double before = place_at(force_.time(1), force_.value(1));
+    const double before = position_at(force_.time(1), force_.value(1));
     if (before < edge) {
       numbers_[kLastFast] = now - (now - force_.time(1)) * (here - edge) / (here - before);
     }
@@ -396,7 +396,7 @@ void DriverWatch::enter_well() {
 /// begins before the driver has loaded its spring is relaxation.
 void DriverWatch::end_slip_of_noise(const Emit& emit) {
   const double time = force_.time(0) - numbers_[kLastFast];
-  const double stays_at = time > 0.0 ? numbers_[kStayed] / time : place();
+  const double stays_at = time > 0.0 ? numbers_[kStayed] / time : position();
   busy_[kSlipping] = 0;
   const double well = std::nearbyint(stays_at);
   if (!(well > numbers_[kWell])) return;
@@ -407,7 +407,7 @@ void DriverWatch::end_slip_of_noise(const Emit& emit) {
   Event slip = event_of_kind(EventKind::slip);
   slip.time = numbers_[kPeakTime];
   slip.duration = numbers_[kLastFast] - slip.time;
-  slip.size = (stays_at - place_at(slip.time, numbers_[kPeakForce])) * period_;
+  slip.size = (stays_at - position_at(slip.time, numbers_[kPeakForce])) * period_;
   slip.peak_force = numbers_[kPeakAlong];
   emit(slip);
 }
@@ -427,7 +427,7 @@ void DriverWatch::look_for_passage(const Emit& emit, const Heat& heat) {
   if (lowest) end_here();
   if (force_.slope_at(now) < (1.0 - kAtRest) * stiffness_ * speed_) return;
   const bool known = busy_[kWells] == kKnownWells;
-  double well = place();
+  double well = position();
   if (known && !in_well(well)) return;
   const bool first = busy_[kHasWell] == 0;
   const bool further = !first && well > numbers_[kWell] + (known ? 0.0 : kPassage);

@@ -42,8 +42,8 @@ class LastPoints {
     return *added_ < static_cast<std::int64_t>(kMost) ? static_cast<std::size_t>(*added_) : kMost;
   }
   /// Time and value of the point `back` points ago, 0 being the last.
-  double time(std::size_t back) const { return times_[place(back)]; }
-  double value(std::size_t back) const { return values_[place(back)]; }
+  double time(std::size_t back) const { return times_[index(back)]; }
+  double value(std::size_t back) const { return values_[index(back)]; }
 
   double at(double time) const;
   double slope_at(double time) const;
@@ -54,7 +54,7 @@ class LastPoints {
 
  private:
   static constexpr std::size_t kRing = 8;
-  std::size_t place(std::size_t back) const {
+  std::size_t index(std::size_t back) const {
     return static_cast<std::size_t>(*added_ - 1 - static_cast<std::int64_t>(back)) % kRing;
   }
   template <class Function>
@@ -220,7 +220,7 @@ class DriverWatch {
     kFirstTime,  ///< of the first point since the start, from which wells are counted
     kFirstForce,
     kWellOffset,  ///< of a well from the first point
-    kWell,        ///< the one that the point was in last; of unknown wells its place there
+    kWell,        ///< the one that the point was in last; of unknown wells its position there
     kHighest,     ///< force along the pull of the peaks so far, the first point included
     kChordTime,
     kChordForce,
@@ -250,8 +250,8 @@ class DriverWatch {
   void look_for_slip(const Emit& emit);
   void look_for_reversal(const Emit& emit);
   bool is_relaxation() const;
-  double place_at(double time, double force) const;
-  double place() const { return place_at(force_.time(0), force_.value(0)); }
+  double position_at(double time, double force) const;
+  double position() const { return position_at(force_.time(0), force_.value(0)); }
   bool in_well(double& well) const;
   bool is_passage() const;
   void look_for_slip_of_noise(double along, const Emit& emit);
@@ -323,7 +323,7 @@ class BodyWatch {
   double rise_;
   LastPoints height_;
   LastPoints turns_;
-  /// Lowest place since the last hop, and from which on it is one; during a hop its highest.
+  /// Lowest position since the last hop, and from which on it is one; during a hop its highest.
   double* numbers_ = nullptr;
   std::int64_t* busy_ = nullptr;
 };

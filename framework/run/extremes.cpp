@@ -29,7 +29,7 @@ CubicExtremes cubic_extremes(double y0, double y1, double y2, double y3) {
     if (!(u > 0.0 && u < 3.0)) return;
     const double bend = 2.0 * c2 + 6.0 * c3 * u;
     if (bend == 0.0) return;
-    found.place[found.count] = u / 3.0;
+    found.theta[found.count] = u / 3.0;
     found.value[found.count] = y0 + u * (c1 + u * (c2 + u * c3));
     found.is_maximum[found.count] = bend < 0.0;
     ++found.count;

@@ -79,10 +79,10 @@ class StaticForces {
   std::int64_t* open_ = nullptr;
 };
 
-/// Local extremes of the cubic through values at 0, 1/3, 2/3 and 1, in the order of their place.
+/// Local extremes of the cubic through values at 0, 1/3, 2/3 and 1, in the order of theta.
 struct CubicExtremes {
   int count = 0;
-  double place[2] = {};  ///< in [0, 1]
+  double theta[2] = {};  ///< in [0, 1]
   double value[2] = {};
   bool is_maximum[2] = {};
 };

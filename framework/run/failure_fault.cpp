@@ -27,7 +27,7 @@ bool names(std::string_view text, std::string_view key) {
 
 Fault fault_of(const RunFailure& failure, const Scene& scene) {
   Fault fault(failure.code);
-  fault.place.file = scene.file;
+  fault.location.file = scene.file;
   fault.why = to_string(failure);
   const SceneIntegrator& integrator = scene.run.integrator;
   // With an accuracy the integrator is nowhere in the scene.
@@ -35,7 +35,7 @@ Fault fault_of(const RunFailure& failure, const Scene& scene) {
   for (const std::string* text : {&failure.what, &failure.cause}) {
     for (const Parameter& row : integrator.record->parameters) {
       if (!names(*text, row.key)) continue;
-      fault.place = integrator.place_of(row.key);
+      fault.location = integrator.location_of(row.key);
       fault.key = "run.integrator." + row.key;
       return fault;
     }

@@ -43,7 +43,7 @@ void FixedGrid::advance(std::uint64_t most) {
     plain_left_ = std::max<std::int64_t>(0, plain_steps());
   }
   if (plain_left_ == 0 || is_looked_into() ||
-      parts_.observation.rotations().is_due_at_every_step()) {
+      parts_.observation.rotations().is_needed_at_every_step()) {
     take_one(up_to_switch({run_.since_anchor(), plan.dt, end_of_step(), true}));
     if (plain_left_ > 0) --plain_left_;
     return;
@@ -116,13 +116,14 @@ std::int64_t FixedGrid::plain_steps() {
   samples_each_step_ =
       run_.integrator->has_point_block() &&
       parts_.observation.samples_each_step(plan.dt, static_cast<double>(taken + 1) * plan.dt);
-  const double due = std::min(due_switch(), samples_each_step_ ? parts_.observation.next_edge()
-                                                               : parts_.observation.next_due());
+  const double next_time =
+      std::min(next_switch_time(), samples_each_step_ ? parts_.observation.next_edge()
+                                                      : parts_.observation.next_time());
   const std::int64_t left = plan.whole_steps - taken;
-  if (!(due < plan.duration)) return left - 1;  // the last may end on a sample
-  auto before = static_cast<std::int64_t>(due / plan.dt) - taken;
+  if (!(next_time < plan.duration)) return left - 1;  // the last may end on a sample
+  auto before = static_cast<std::int64_t>(next_time / plan.dt) - taken;
   // Rounding of the quotient: the step that ends at or past the time is the one that is not plain.
-  while (before > 0 && due <= static_cast<double>(taken + before) * plan.dt) --before;
+  while (before > 0 && next_time <= static_cast<double>(taken + before) * plan.dt) --before;
   return std::min(left - 1, before);
 }
 

@@ -61,14 +61,14 @@ void Housekeeping::after_block() {
 
 void Housekeeping::follow_rotations() {
   observation_.look_at_rotations();
-  if (run_.model.reorient_if_due()) run_.integrator->forces_changed();
+  if (run_.model.reorient_if_needed()) run_.integrator->forces_changed();
 }
 
 /// The origin follows the particles.
 void Housekeeping::follow() {
   follow_rotations();
   observation_.look_at_block_end();
-  if (run_.model.rebase_if_due()) run_.integrator->rebased();
+  if (run_.model.rebase_if_needed()) run_.integrator->rebased();
   if (disturb_every_ > 0.0 && run_.clock.time() >= *disturbed_ + disturb_every_) disturb();
 }
 
@@ -97,7 +97,7 @@ void Housekeeping::look_at_clock() {
 void Housekeeping::stop_within_step() {
   if (run_.block_ends()) {
     follow();
-  } else if (observation_.rotations().is_due_at_every_step()) {
+  } else if (observation_.rotations().is_needed_at_every_step()) {
     follow_rotations();
   }
   run_.outcome.interrupt();

@@ -29,7 +29,7 @@ class Housekeeping {
   void after_step() {
     if (run_.block_ends()) {
       after_block();
-    } else if (observation_.rotations().is_due_at_every_step()) {
+    } else if (observation_.rotations().is_needed_at_every_step()) {
       follow_rotations();
     }
   }

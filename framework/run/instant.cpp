@@ -11,7 +11,7 @@ namespace tomlin {
 namespace {}  // namespace
 
 Instant::Instant(const Model& model, std::string_view path, const std::string& key,
-                 const Place& place) {
+                 const SourceLocation& location) {
   struct Candidate {
     std::string path;
     Kind kind;
@@ -48,7 +48,7 @@ Instant::Instant(const Model& model, std::string_view path, const std::string& k
     names.push_back(brief);
   }
   throw InputError(
-      {Fault(FaultCode::observable_unknown, place, key, "\"" + std::string(path) + "\"",
+      {Fault(FaultCode::observable_unknown, location, key, "\"" + std::string(path) + "\"",
              "there is no observable of that name that has a value at each moment",
              "bodies.NAME.centre_of_mass.x, .velocity.x, .rotation, drivers.NAME.force.x, "
              ".position.x, or another axis",

@@ -14,9 +14,10 @@ namespace tomlin {
 /// The leading "bodies." or "drivers." may be left out.
 class Instant {
  public:
-  /// Throws InputError, with the nearest name, when there is none of that path; `key` and `place`
-  /// say where it was written.
-  Instant(const Model& model, std::string_view path, const std::string& key, const Place& place);
+  /// Throws InputError, with the nearest name, when there is none of that path; `key` and
+  /// `location` say where it was written.
+  Instant(const Model& model, std::string_view path, const std::string& key,
+          const SourceLocation& location);
 
   /// The state at a moment. Rates are read where needs_rates() says so.
   struct State {

@@ -161,7 +161,7 @@ bool LaneBatch::serve(std::size_t k) {
     if (lane.run->done()) return false;
     if (!lane.is_alone && (lane.left = lane.run->steps_for_lanes()) > 0) {
       lane.now = lane.run->context().clock.now();
-      lane.due = lane.run->next_due();
+      lane.next_time = lane.run->next_time();
       if (same) {
         system_.put_timed(k, lane.run->model());
       } else {
@@ -297,7 +297,7 @@ bool LaneBatch::may_attempt(std::size_t k) {
   most_[k] = std::min(run.longest_step, rest);
   if (lane.within_step) return true;
   const double end = static_cast<double>(lane.now + adaptive_->next_attempt(k, most_[k]));
-  return end < lane.due && end < run.plan.duration;
+  return end < lane.next_time && end < run.plan.duration;
 }
 
 /// Attempts of all lanes, until a run has something to do.

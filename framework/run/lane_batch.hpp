@@ -20,7 +20,7 @@ std::string why_not_in_lanes(const Model& model);
 /// All else a run does by itself, on its own numbers: its start, edges of the window, samples, the
 /// moving origin, a step that fails, its end. Results have the bits of single runs.
 ///
-/// Fixed steps, of the same length in all lanes, are at the same place between two anchors of the
+/// Fixed steps, of the same length in all lanes, are at the same step between two anchors of the
 /// forces, kBlock steps apart, though not at the same time. When one fails, nothing of it is kept,
 /// and each run goes on by itself to its next anchor: the one whose step it was fails there.
 /// Adaptive steps are anchored each at its start; an attempt is refused or accepted by each lane.
@@ -62,7 +62,7 @@ class LaneBatch {
     unsigned attempted = 0;         ///< evaluations of this step
     DoubleDouble now;
     // Only adaptive steps use this.
-    double due = 0.0;  ///< they end before this time
+    double next_time = 0.0;  ///< they end before this time
   };
 
   bool serve(std::size_t lane);
@@ -93,7 +93,7 @@ class LaneBatch {
   std::vector<Lane> lanes_;
   std::size_t runs_ = 0;
   std::uint64_t steps_ = 0;
-  bool all_filled_ = false;     ///< lanes without a run have numbers that stay sound
+  bool all_filled_ = false;     ///< lanes without a run have numbers that stay finite
   AlignedVector<double> grid_;  ///< [lane] of the system: steps of the grid
   std::vector<double> most_;    ///< likewise: the longest step
   std::vector<AdaptiveLanes::Attempt> attempts_;

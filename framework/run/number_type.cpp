@@ -157,11 +157,11 @@ std::unique_ptr<Integrator<double>> mirrored(Model& model, const void* descripti
   const auto factory = scheme.bind.in<Real>();
   if (factory == nullptr) {
     const Scene& scene = model.scene();
-    const auto place = scene.run.places.find("number_type");
+    const auto location = scene.run.locations.find("number_type");
     throw InputError(
         {Fault(FaultCode::number_type_unsuitable,
-               place == scene.run.places.end() ? scene.run.place : place->second, "run.number_type",
-               fmt::format("\"{}\"", to_string(scene.run.number_type)),
+               location == scene.run.locations.end() ? scene.run.location : location->second,
+               "run.number_type", fmt::format("\"{}\"", to_string(scene.run.number_type)),
                "not available with the integrator " + scheme.name, "\"double\"")});
   }
   return std::make_unique<MirroredIntegrator<Real>>(model, description, factory);

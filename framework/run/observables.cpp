@@ -23,14 +23,15 @@ std::string_view without_family(std::string_view path) {
   return path;
 }
 
-Fault unknown(const std::vector<Observable>& all, std::string_view path, const Place& place) {
+Fault unknown(const std::vector<Observable>& all, std::string_view path,
+              const SourceLocation& location) {
   std::vector<std::string> names;
   for (const Observable& one : all) {
     names.emplace_back(without_family(one.path));
     names.push_back(one.path);
   }
   Fault fault(FaultCode::observable_unknown);
-  fault.place = place;
+  fault.location = location;
   fault.key = path;
   fault.why = "there is no observable of that name";
   fault.admissible = "a dotted path as in summary.json, components by letter";
@@ -66,23 +67,24 @@ std::vector<Observable> observables(const RunResult& result) {
 
 namespace {
 
-Observable found(const RunResult& result, std::string_view path, const Place& place) {
+Observable found(const RunResult& result, std::string_view path, const SourceLocation& location) {
   const std::vector<Observable> all = observables(result);
   for (const Observable& one : all) {
     if (one.path == path || without_family(one.path) == path) return one;
   }
-  throw InputError({unknown(all, path, place)});
+  throw InputError({unknown(all, path, location)});
 }
 
 }  // namespace
 
 std::optional<double> observable(const RunResult& result, std::string_view path,
-                                 const Place& place) {
-  return found(result, path, place).value;
+                                 const SourceLocation& location) {
+  return found(result, path, location).value;
 }
 
-std::string full_path(const RunResult& result, std::string_view path, const Place& place) {
-  return found(result, path, place).path;
+std::string full_path(const RunResult& result, std::string_view path,
+                      const SourceLocation& location) {
+  return found(result, path, location).path;
 }
 
 }  // namespace tomlin

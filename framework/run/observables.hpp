@@ -26,12 +26,12 @@ std::vector<Observable> observables(const RunResult& result);
 /// The number at a path; the leading "drivers." or "bodies." may be left out, as in
 /// "driver.mean_force.x" and "ring.turns". Nothing where it is undefined, say because the run
 /// ended before the window. Throws InputError, with the nearest path, when there is none of that
-/// name; `place` is where the path was written.
+/// name; `location` is where the path was written.
 std::optional<double> observable(const RunResult& result, std::string_view path,
-                                 const Place& place = {.file = "observable"});
+                                 const SourceLocation& location = {.file = "observable"});
 
 /// The path in full: "drivers.driver.mean_force.x" of "driver.mean_force.x". Throws as above.
 std::string full_path(const RunResult& result, std::string_view path,
-                      const Place& place = {.file = "observable"});
+                      const SourceLocation& location = {.file = "observable"});
 
 }  // namespace tomlin

@@ -72,12 +72,12 @@ void ResultTable::convert_to(UnitSystem units) {
 
 std::vector<ResultGroup> ResultTable::take(const Selection& selection) {
   selection.keep_rows(groups_);
-  const auto place = [](const ResultGroup& group) {
+  const auto rank = [](const ResultGroup& group) {
     return std::find(std::begin(kFamilies), std::end(kFamilies), group.family) -
            std::begin(kFamilies);
   };
   std::stable_sort(groups_.begin(), groups_.end(),
-                   [&](const ResultGroup& a, const ResultGroup& b) { return place(a) < place(b); });
+                   [&](const ResultGroup& a, const ResultGroup& b) { return rank(a) < rank(b); });
   return std::move(groups_);
 }
 
@@ -246,8 +246,8 @@ void Observation::look_between(double from, double to) {
 
 void Observation::show_span() {
   for (std::size_t k = 0; k < 3; ++k) {
-    for (RunObserver* observer : at_steps_) observer->place(span_, k);
-    for (RunObserver* observer : at_blocks_) observer->place(span_, k);
+    for (RunObserver* observer : at_steps_) observer->look_at_point(span_, k);
+    for (RunObserver* observer : at_blocks_) observer->look_at_point(span_, k);
   }
   for (RunObserver* observer : at_steps_) observer->span(span_);
   for (RunObserver* observer : at_blocks_) observer->span(span_);
@@ -321,13 +321,13 @@ void Observation::look_now_and_then() {
   for (const auto& observer : observers_) observer->look_now_and_then();
 }
 
-bool Observation::serve(double due, const DoubleDouble& from, const DoubleDouble& to,
+bool Observation::serve(double first_time, const DoubleDouble& from, const DoubleDouble& to,
                         double next_since) {
   // The end of the step itself needs no interpolation, and so no evaluation.
-  if (due < static_cast<double>(to)) complete_dense(next_since);
+  if (first_time < static_cast<double>(to)) complete_dense(next_since);
   const double length = static_cast<double>(to - from);
   std::uint64_t served = 0;
-  for (double time = due; time <= static_cast<double>(to); time = next_due()) {
+  for (double time = first_time; time <= static_cast<double>(to); time = next_time()) {
     // The step is then left unfinished.
     if (++served % kSamplesBetweenLooks == 0 && run_.stopped()) return false;
     const SystemView<double>& view = run_.model.system().view;
@@ -350,7 +350,7 @@ bool Observation::serve(double due, const DoubleDouble& from, const DoubleDouble
       reach_edge(time, position, velocity, integrals);
       window_has_ended_ = true;
     }
-    if (samples_.is_due(time)) take_point(time, position, velocity, integrals);
+    if (samples_.is_taken_at(time)) take_point(time, position, velocity, integrals);
   }
   return true;
 }

@@ -61,15 +61,16 @@ class Observation {
   double idle_until() const;
 
   /// The next sample or edge of the window.
-  double next_due() const { return std::min(samples_.next_time(), window_.next_edge()); }
+  double next_time() const { return std::min(samples_.next_time(), window_.next_edge()); }
   double next_edge() const { return window_.next_edge(); }
   /// Every step of a grid ends on a sample, the next one at this time.
   bool samples_each_step(double dt, double end_of_next) const {
     return samples_.are_taken_every(dt) && samples_.next_time() == end_of_next;
   }
-  /// Serves what is due within a step that has been taken; `next_since`: its end, after the anchor.
-  /// False when a signal has come through between the samples of a very long step.
-  bool serve(double due, const DoubleDouble& from, const DoubleDouble& to, double next_since);
+  /// Serves what is asked for within a step that has been taken; `next_since`: its end, after the
+  /// anchor. False when a signal has come through between the samples of a very long step.
+  bool serve(double first_time, const DoubleDouble& from, const DoubleDouble& to,
+             double next_since);
   /// Signals of every step are looked at.
   bool watches() const { return !at_steps_.empty() || !at_blocks_.empty(); }
   /// Every step is looked into.

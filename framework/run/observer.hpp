@@ -98,17 +98,17 @@ class RunObserver {
   /// The model is placed, and the sink has begun; also of a run that is resumed.
   virtual void placed() {}
 
-  /// The state at one of the four places of the step that is looked at next, the first being its
+  /// The state at one of the four points of the step that is looked at next, the first being its
   /// start. Velocities are null where steps are short.
-  virtual void read(std::size_t place, const double* position, const double* velocity) {
-    (void)place, (void)position, (void)velocity;
+  virtual void read(std::size_t point, const double* position, const double* velocity) {
+    (void)point, (void)position, (void)velocity;
   }
   /// Signals at the starts of steps of the grid.
   virtual void steps(const SignalBlock& block) { (void)block; }
-  /// One of the first three places of a long step: all observers see it before the next one, so
+  /// One of the first three points of a long step: all observers see it before the next one, so
   /// that events come in the order of time.
-  virtual void place(const SignalSpan& span, std::size_t k) { (void)span, (void)k; }
-  /// Signals along a long step, after its places.
+  virtual void look_at_point(const SignalSpan& span, std::size_t k) { (void)span, (void)k; }
+  /// Signals along a long step, after its points.
   virtual void span(const SignalSpan& span) { (void)span; }
   /// A node of the quadrature over the part of a step that lies in the window; weights are times
   /// and add up to the window's length.

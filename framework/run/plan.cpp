@@ -31,24 +31,25 @@ constexpr double kMostSamples = 1e12;
 
 /// A run must end, its counts stay exact, and a signal must get through between samples.
 void refuse_endless(const Scene& scene, const RunPlan& plan) {
-  const auto place = [](const std::map<std::string, Place>& places, const char* key,
-                        const Place& table) {
-    const auto found = places.find(key);
-    return found == places.end() ? table : found->second;
+  const auto location = [](const std::map<std::string, SourceLocation>& locations, const char* key,
+                           const SourceLocation& table) {
+    const auto found = locations.find(key);
+    return found == locations.end() ? table : found->second;
   };
   if (plan.dt > 0.0 && !(plan.duration / plan.dt <= kMostSteps)) {
-    throw InputError(
-        {Fault(FaultCode::run_endless, place(scene.run.integrator.places, "dt", scene.run.place),
-               "run.integrator.dt", fmt::format("{}", plan.dt),
-               fmt::format("the run would take {:.3g} steps, {:.2g} days at the very least",
-                           plan.duration / plan.dt,
-                           plan.duration / plan.dt / kFastestSteps / kSecondsOfADay),
-               fmt::format("at most {:g} steps", kMostSteps))});
+    throw InputError({Fault(
+        FaultCode::run_endless, location(scene.run.integrator.locations, "dt", scene.run.location),
+        "run.integrator.dt", fmt::format("{}", plan.dt),
+        fmt::format("the run would take {:.3g} steps, {:.2g} days at the very least",
+                    plan.duration / plan.dt,
+                    plan.duration / plan.dt / kFastestSteps / kSecondsOfADay),
+        fmt::format("at most {:g} steps", kMostSteps))});
   }
   if (scene.output.every && !(plan.duration / *scene.output.every <= kMostSamples)) {
     throw InputError({Fault(
-        FaultCode::output_too_large, place(scene.output.places, "every", scene.output.place),
-        "output.every", fmt::format("{}", *scene.output.every),
+        FaultCode::output_too_large,
+        location(scene.output.locations, "every", scene.output.location), "output.every",
+        fmt::format("{}", *scene.output.every),
         fmt::format("the run would leave {:.3g} samples", plan.duration / *scene.output.every),
         fmt::format("at most {:g} samples", kMostSamples))});
   }
@@ -68,8 +69,8 @@ std::int64_t whole_steps(double dt, double duration) {
 [[noreturn]] void refuse_window(FaultCode code, const MeasureSettings& measure,
                                 const std::string& key, const std::string& why,
                                 const std::string& admissible) {
-  const auto found = measure.places.find(key);
-  throw InputError({Fault(code, found == measure.places.end() ? measure.place : found->second,
+  const auto found = measure.locations.find(key);
+  throw InputError({Fault(code, found == measure.locations.end() ? measure.location : found->second,
                           "measure." + key, "", why, admissible)});
 }
 
@@ -161,7 +162,7 @@ double period_of_driver(const Model& model) {
 void plan_periods(const UntilSettings& until, RunPlan& plan) {
   const double whole = std::floor(plan.duration / plan.period * (1.0 + kWindowSlack));
   if (whole < 1.0) {
-    throw InputError({Fault(FaultCode::run_until_never, until.place, "run.until", "",
+    throw InputError({Fault(FaultCode::run_until_never, until.location, "run.until", "",
                             fmt::format("the run ends at time {:g}, before the first period of the "
                                         "driver is over at {:g}",
                                         plan.duration, plan.period),

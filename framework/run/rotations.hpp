@@ -23,7 +23,7 @@ class Rotations {
   double turns_of(std::size_t body, const double* position) const;
   /// A flexible body turns fast, or a rigid one in space, where a block of steps could turn it too
   /// far: look() is needed after every step.
-  bool is_due_at_every_step() const { return *steps_between_looks_ == 1 || model_.has_rotors(); }
+  bool is_needed_at_every_step() const { return *steps_between_looks_ == 1 || model_.has_rotors(); }
   /// Some body has turns to be counted.
   bool counts_turns() const {
     return std::any_of(model_.bodies().begin(), model_.bodies().end(),

@@ -34,7 +34,7 @@ constexpr auto word_table(RunStatus) {
       {{finished, "finished"}, {interrupted, "interrupted"}, {failed, "failed"}});
 }
 
-/// Why a run failed, with its place.
+/// Why a run failed, with its position.
 struct RunFailure {
   std::uint64_t step = 0;  ///< index of the step that failed, from 0
   double time = 0.0;       ///< at its start
@@ -128,7 +128,7 @@ struct RunResult {
   const ResultGroup& body(std::size_t k) const { return member("bodies", k); }
   /// Null where there is none of that name; families of the run as a whole have an empty name.
   const ResultGroup* find(std::string_view family, std::string_view name = "") const;
-  /// Throws std::out_of_range in its place.
+  /// Throws std::out_of_range where there is none.
   const ResultGroup& group(std::string_view family, std::string_view name = "") const;
 
  private:

@@ -128,8 +128,8 @@ double SignalSpan::extreme_near(double theta, Function function) const {
   constexpr double kFirst = 1.0 / 12.0;
   constexpr double kNearer = 0.25;
   constexpr int kPasses = 2;
-  const auto value = [&](double place) {
-    read_dense(place, time(place), within_);
+  const auto value = [&](double part) {
+    read_dense(part, time(part), within_);
     return function(within_.data());
   };
   double reach = kFirst;

@@ -68,12 +68,12 @@ void fail(FaultCode code, Check& check, const std::string& body, std::string wha
 }
 
 /// Parts of a length that has to be seen: what is coarser is warned of, or refused.
-constexpr double kCoarsePlaces = 1e-9;
-constexpr double kFewPlaces = 100.0;  // of a short number type
+constexpr double kCoarsePositions = 1e-9;
+constexpr double kFewPositions = 100.0;  // of a short number type
 // Parts of the scene's length (natural_units.hpp), where no period or bond is along an axis.
 constexpr double kCoarseUnits = 1e-6;
 constexpr double kFewUnits = 1000.0;
-constexpr double kUselessPlaces = 1e-3;
+constexpr double kUselessPositions = 1e-3;
 /// Tolerance of an adaptive scheme, as a part of a period or of half the shortest bond. Half a
 /// period is the way from a well to the next barrier: a step may end in any well.
 constexpr double kCoarseTolerance = 1e-2;
@@ -228,10 +228,10 @@ void check_inertia(Check& check) {
   }
 }
 
-/// Places are whole periods and an offset, or plain numbers along an axis without a period. There
-/// they get coarser with the distance from zero, however short the ways that matter are.
+/// Positions are whole periods and an offset, or plain numbers along an axis without a period.
+/// There they get coarser with the distance from zero, however short the ways that matter are.
 void check_positions(Check& check) {
-  const double last_place = last_place_of(check.scene.run.number_type);
+  const double epsilon = epsilon_of(check.scene.run.number_type);
   const SystemView<double>& view = check.model.system().view;
   for (const Model::Body& body : check.model.bodies()) {
     const BodySlot<double>& slot = body.bound.slot;
@@ -254,29 +254,28 @@ void check_positions(Check& check) {
           axis_without_length = d;
           continue;
         }
-        const double coarse = last_place * farthest / shortest;
+        const double coarse = epsilon * farthest / shortest;
         if (coarse <= worst) continue;
         worst = coarse;
         axis = d;
       }
     }
-    const double coarse = last_place * farthest_without_length / tolerance_scales(view).length;
-    if (coarse > std::max(kCoarseUnits, kFewUnits * last_place)) {
+    const double coarse = epsilon * farthest_without_length / tolerance_scales(view).length;
+    if (coarse > std::max(kCoarseUnits, kFewUnits * epsilon)) {
       check.found.warnings.push_back(
           {FaultCode::number_type_coarse_positions,
            fmt::format("{}: positions along {} are far from zero, and no force declares a period "
                        "there: {} resolves {:.2g}, and smaller displacements are lost",
                        body.bound.name, kAxisNames[axis_without_length],
-                       to_string(check.scene.run.number_type),
-                       last_place * farthest_without_length),
+                       to_string(check.scene.run.number_type), epsilon * farthest_without_length),
            "body." + body.bound.name});
     }
-    if (worst <= std::max(kCoarsePlaces, kFewPlaces * last_place)) continue;
+    if (worst <= std::max(kCoarsePositions, kFewPositions * epsilon)) continue;
     const std::string what = fmt::format(
         "positions along {} are too far from zero: {} resolves {:.2g} of the "
         "shortest length there (a period, half a bond, a radius)",
         kAxisNames[axis], to_string(check.scene.run.number_type), worst);
-    if (worst <= kUselessPlaces) {
+    if (worst <= kUselessPositions) {
       check.found.warnings.push_back({FaultCode::number_type_coarse_positions,
                                       body.bound.name + ": " + what, "body." + body.bound.name});
     } else {
@@ -467,10 +466,10 @@ void warn_of_coarse_tolerance(Check& check) {
                    kCoarseTolerance * shortest * scales.length, scales.length));
 }
 
-/// A place is known to the tolerance or to its last digit, and a driver's force to its stiffness
+/// A position is known to the tolerance or to its last digit, and a driver's force to its stiffness
 /// times that, which may be more than all that substrate and drag have.
 void warn_of_stiff_drivers(Check& check) {
-  const double last_place = last_place_of(check.scene.run.number_type);
+  const double epsilon = epsilon_of(check.scene.run.number_type);
   for (const Model::Force& driver : check.model.forces()) {
     const Drive* drive = driver.drive();
     const double stiffness = drive ? drive->stiffness_along() : 0.0;
@@ -493,7 +492,7 @@ void warn_of_stiff_drivers(Check& check) {
     largest = std::max(largest, friction.total * std::sqrt(square));
     const double length = tolerance_scales(check.model.system().view).length;
     const double asked = tolerance_of(check.scene.run.integrator, length).value_or(0.0) * length;
-    const double known = std::max(asked, last_place * shortest);
+    const double known = std::max(asked, epsilon * shortest);
     if (!(stiffness * known > kCoarseForce * largest)) continue;
     check.found.warnings.push_back(
         {FaultCode::run_stiff_driver,
@@ -510,8 +509,7 @@ void warn_of_stiff_drivers(Check& check) {
 void warn_of_short_window(Check& check) {
   if (check.plan.period > 0.0) return;
   const double window = check.plan.window_to - check.plan.window_from;
-  const double rounding =
-      last_place_of(NumberType::double_precision) * check.plan.window_to / window;
+  const double rounding = epsilon_of(NumberType::double_precision) * check.plan.window_to / window;
   if (rounding > kCoarseMean) {
     check.found.warnings.push_back(
         {FaultCode::run_window_rounding,
@@ -537,7 +535,7 @@ void warn_of_short_window(Check& check) {
 
 }  // namespace
 
-double last_place_of(NumberType number_type) {
+double epsilon_of(NumberType number_type) {
   switch (number_type) {
     case NumberType::double_precision:
       return 0x1p-52;

@@ -20,7 +20,7 @@ struct StartFindings {
 };
 
 /// The distance of 1 to the next number, by which numbers of a type round.
-double last_place_of(NumberType number_type);
+double epsilon_of(NumberType number_type);
 
 /// Whether a fixed step is shorter than the limit: at the limit itself nothing decays, and an
 /// oscillation may grow with the number of steps.

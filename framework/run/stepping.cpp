@@ -28,7 +28,7 @@ bool Stepping::may_be_in_lanes() const {
   const Observation& observation = parts_.observation;
   return !parts_.triggers.waiting() && !observation.looks_within_steps() &&
          (!observation.watches() || run_.integrator->has_point_block()) &&
-         !parts_.observation.rotations().is_due_at_every_step() && run_.integrator->is_started();
+         !parts_.observation.rotations().is_needed_at_every_step() && run_.integrator->is_started();
 }
 
 bool Stepping::take(const Step& step) {
@@ -36,9 +36,9 @@ bool Stepping::take(const Step& step) {
   const bool adaptive = run_.plan.dt == 0.0;
   const DoubleDouble begin = run_.clock.now();
   const bool waits = step.may_split && parts_.triggers.waiting();
-  const double due = observation.next_due();
+  const double next_time = observation.next_time();
   // Samples and edges at the end of a fixed step need no interpolation.
-  const bool dense = adaptive || waits || due < static_cast<double>(step.end) ||
+  const bool dense = adaptive || waits || next_time < static_cast<double>(step.end) ||
                      observation.looks_within_steps() || is_looked_into();
   const bool may_be_taken_again = parts_.uncontrolled.any();
   if (waits || may_be_taken_again) run_.keep_state();
@@ -66,8 +66,8 @@ bool Stepping::take(const Step& step) {
   const double next_since = anchor_next();
   observation.integrate(begin, arrived, next_since);
   bool whole = true;
-  if (due <= static_cast<double>(arrived)) {
-    whole = observation.serve(due, begin, arrived, next_since);
+  if (next_time <= static_cast<double>(arrived)) {
+    whole = observation.serve(next_time, begin, arrived, next_since);
   }
   if (is_looked_into()) parts_.balance->look_into(run_, observation, begin, next_since);
   if (!end_step()) return false;
@@ -76,7 +76,7 @@ bool Stepping::take(const Step& step) {
     observation.integrate(begin, arrived, next_since);
   }
   const double next_switch = run_.model.next_switch();
-  if (next_switch < run_.plan.duration && due_switch() <= run_.clock.time()) switch_forces();
+  if (next_switch < run_.plan.duration && next_switch_time() <= run_.clock.time()) switch_forces();
   if (whole) {
     parts_.housekeeping.after_step();
   } else {
@@ -116,7 +116,8 @@ void Stepping::fire(const Triggers::Passed& passed) {
 
 Stepping::Step Stepping::up_to_switch(Step step) const {
   const double next = run_.model.next_switch();
-  if (!(due_switch() < static_cast<double>(step.end) - 2.0 * kNoStep * run_.plan.dt)) return step;
+  if (!(next_switch_time() < static_cast<double>(step.end) - 2.0 * kNoStep * run_.plan.dt))
+    return step;
   step.end = DoubleDouble(next);
   step.h = static_cast<double>(step.end - run_.clock.now());
   step.to_grid = false;

@@ -64,7 +64,7 @@ class Stepping {
   /// The step, or as much of it as there is before a force becomes active or ceases to be.
   Step up_to_switch(Step step) const;
   /// The time of the next switch, less what is no step.
-  double due_switch() const { return run_.model.next_switch() - kNoStep * run_.plan.dt; }
+  double next_switch_time() const { return run_.model.next_switch() - kNoStep * run_.plan.dt; }
   /// One step of the scheme.
   StepReport step_scheme(double since, double h, bool dense);
 

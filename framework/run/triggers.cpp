@@ -28,7 +28,7 @@ Triggers::Triggers(RunContext& run, const Rotations& rotations) : run_(run), rot
                                     [&](const SceneForce& one) { return one.name == bound.name; });
     const std::string key = "force." + force->name + ".reverse.when";
     triggers_.push_back(
-        {f, Instant(model, passing->when, key, force->place_of("reverse")), nullptr});
+        {f, Instant(model, passing->when, key, force->location_of("reverse")), nullptr});
   }
   if (!any()) return;
   stochastic_ = has_noise(*run.scene);
@@ -135,14 +135,14 @@ std::optional<Triggers::Passed> Triggers::first_passed(const DoubleDouble& begin
   run_.integrator->finish_dense_from(since + h);
   Passed first;
   for (const auto& [t, side] : candidates) {
-    const double theta = place_of(triggers_[t], side, begin, h);
+    const double theta = theta_of(triggers_[t], side, begin, h);
     if (t == candidates.front().first || theta < first.theta) first = {t, theta};
   }
   return first;
 }
 
 /// The part of the step at which it passes its value.
-double Triggers::place_of(const Trigger& trigger, int side, const DoubleDouble& begin, double h) {
+double Triggers::theta_of(const Trigger& trigger, int side, const DoubleDouble& begin, double h) {
   const auto above = [&](double theta) {
     run_.integrator->interpolate(theta, position_.data(), velocity_.data(), integrals_.data());
     read(begin + theta * h, position_.data(), velocity_.data(), integrals_.data());

@@ -50,7 +50,7 @@ class Triggers {
             const double* integrals);
   double beyond(const Trigger& trigger, int side) const;
   int side_behind(const Trigger& trigger) const;
-  double place_of(const Trigger& trigger, int side, const DoubleDouble& begin, double h);
+  double theta_of(const Trigger& trigger, int side, const DoubleDouble& begin, double h);
 
   RunContext& run_;
   const Rotations& rotations_;

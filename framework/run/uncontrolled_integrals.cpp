@@ -71,10 +71,10 @@ UncontrolledIntegrals::UncontrolledIntegrals(RunContext& run) : run_(run) {
   find_rates();
   if (!any()) return;
   const SystemView<double>& view = run.model.system().view;
-  last_place_ = last_place_of(run.scene->run.number_type);
+  epsilon_ = epsilon_of(run.scene->run.number_type);
   const double length = tolerance_scales(view).length;
-  tolerance_ = std::max(tolerance_of(run.scene->run.integrator, length).value_or(kUsualTolerance),
-                        last_place_);
+  tolerance_ =
+      std::max(tolerance_of(run.scene->run.integrator, length).value_or(kUsualTolerance), epsilon_);
   start_.assign(rates_.size(), 0.0);
   sum_.assign(rates_.size(), 0.0);
   largest_.assign(rates_.size(), 0.0);
@@ -179,9 +179,9 @@ UncontrolledIntegrals::Difference UncontrolledIntegrals::difference(const Double
   for (std::size_t k = 0; k < rates_.size(); ++k) {
     const double end = rates_[k].of(integrals);
     const double by = std::abs((end - start_[k]) - h * sum_[k]);
-    const double of_rate = kUlpsOfRates * last_place_ * rates_[k].unit;
+    const double of_rate = kUlpsOfRates * epsilon_ * rates_[k].unit;
     const double of_integral =
-        kUlpsOfIntegrals * last_place_ * std::max(std::abs(start_[k]), std::abs(end));
+        kUlpsOfIntegrals * epsilon_ * std::max(std::abs(start_[k]), std::abs(end));
     const double rounding = h * of_rate + of_integral;
     // Numbers that are not finite are the run's to report.
     const auto include = [&worst](double found, double least, double size, double part) {

@@ -54,7 +54,7 @@ class UncontrolledIntegrals {
   RunContext& run_;
   std::vector<Rate> rates_;
   double tolerance_ = 0.0;
-  double last_place_ = 0.0;      ///< of the number type
+  double epsilon_ = 0.0;         ///< of the number type
   double* longest_ = nullptr;    ///< in the run's state
   double last_relative_ = 0.0;   ///< of the attempt before at the same step; 0: this is the first
   std::vector<double> start_;    ///< integrals at the start of the step

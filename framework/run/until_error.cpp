@@ -34,12 +34,12 @@ UntilError::UntilError(RunContext& run, Observation& observation)
 
 void UntilError::start(const RunResult& before) {
   const UntilSettings& until = settings();
-  const auto found = until.places.find("of");
-  const Place& place = found == until.places.end() ? until.place : found->second;
-  path_ = full_path(before, until.of, place);
+  const auto found = until.locations.find("of");
+  const SourceLocation& location = found == until.locations.end() ? until.location : found->second;
+  path_ = full_path(before, until.of, location);
   const std::vector<std::string> paths = observation_.estimated();
   if (std::find(paths.begin(), paths.end(), path_) != paths.end()) return;
-  Fault fault(FaultCode::run_until_never, place, "run.until.of", "\"" + until.of + "\"",
+  Fault fault(FaultCode::run_until_never, location, "run.until.of", "\"" + until.of + "\"",
               "it has no statistical error, which means over the window have",
               fmt::format("one of {}", fmt::join(paths, ", ")));
   fault.nearest = nearest_name(path_, paths).value_or("");

@@ -19,8 +19,9 @@ void UntilSteady::attach(RunState& state) { steadiness_.attach(state.reals("unti
 
 void UntilSteady::start(const Measured& measured) {
   const UntilSettings& until = settings();
-  const auto place = until.places.find("steady");
-  observable(measured(), until.steady, place == until.places.end() ? until.place : place->second);
+  const auto location = until.locations.find("steady");
+  observable(measured(), until.steady,
+             location == until.locations.end() ? until.location : location->second);
   Model& model = run_.model;
   const auto slowest = model.slowest_time();
   slowest_time_ = slowest.value_or(0.0);

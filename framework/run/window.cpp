@@ -43,7 +43,7 @@ double MeasureWindow::next_edge() const {
 
 DoubleDouble MeasureWindow::moved(std::size_t body, std::size_t axis) const {
   const std::size_t k = body * static_cast<std::size_t>(model_.dimension()) + axis;
-  return to_.place(k) - from_.place(k);
+  return to_.position(k) - from_.position(k);
 }
 
 void MeasureWindow::reach(const double* position, const double* integrals,
@@ -56,9 +56,9 @@ void MeasureWindow::reach(const double* position, const double* integrals,
     double centre[3];
     model_.centre(b, position, centre);
     for (int d = 0; d < axes; ++d) {
-      const DoubleDouble place = model_.placed(d, centre[d]);
-      edge.centre[2 * (b * axes + d)] = place.hi;
-      edge.centre[2 * (b * axes + d) + 1] = place.lo;
+      const DoubleDouble absolute = model_.placed(d, centre[d]);
+      edge.centre[2 * (b * axes + d)] = absolute.hi;
+      edge.centre[2 * (b * axes + d) + 1] = absolute.lo;
     }
     edge.turns[b] = rotations.turns_of(b, position);
   }

@@ -22,7 +22,7 @@ class MeasureWindow {
     double* turns = nullptr;   ///< [body]
     double* stored = nullptr;  ///< kinetic and potential energy, with the ledger
 
-    DoubleDouble place(std::size_t k) const { return {centre[2 * k], centre[2 * k + 1]}; }
+    DoubleDouble position(std::size_t k) const { return {centre[2 * k], centre[2 * k + 1]}; }
   };
 
   explicit MeasureWindow(const Model& model) : model_(model) {}

@@ -114,7 +114,7 @@ void check_box_periods(const BoxSettings& box, const TableReading& reading,
   for (std::size_t axis = 0; axis < box.lengths.size(); ++axis) {
     if (!box.periodic[axis]) continue;
     for (const ForceDraft& force : forces) {
-      if (force.record == nullptr || !force.sound) continue;
+      if (force.record == nullptr || !force.valid) continue;
       check_period(force, static_cast<int>(axis), box.lengths[axis], reading, faults);
     }
   }
@@ -124,7 +124,7 @@ void check_box_bodies(const BoxSettings& box, const TableReading& reading,
                       const std::vector<BodyDraft>& bodies, int dimension, FaultList& faults) {
   if (std::find(box.periodic.begin(), box.periodic.end(), true) == box.periodic.end()) return;
   for (const BodyDraft& body : bodies) {
-    if (body.record == nullptr || !body.sound || !body.count) continue;
+    if (body.record == nullptr || !body.valid || !body.count) continue;
     if (body.record->neighbours == nullptr) continue;
     const LatticeBody lattice(body, dimension);
     for (std::size_t axis = 0; axis < box.lengths.size(); ++axis) {

@@ -94,7 +94,7 @@ bool prepare(ComponentDraft<Record>& component, const std::filesystem::path& fol
     convert_fetched(component);
     update_effective(component);
   } else {
-    component.sound = component.reading.sound = false;
+    component.valid = component.reading.valid = false;
   }
   return complaints.empty();
 }
@@ -249,16 +249,16 @@ std::optional<WrongValue> wrong_for_bodies(const ParameterValue& value,
 /// Each valid key on its own; true when nothing is wrong. No bodies: not all counts are known.
 bool check_values(const TableReading& reading, std::optional<int> dimension,
                   const std::vector<const BodyDraft*>& bodies, FaultList& faults) {
-  bool sound = true;
+  bool valid = true;
   for (const auto& [key, value] : reading.values) {
     std::optional<WrongValue> found;
     if (dimension) found = wrong_dimension(value, *dimension);
     if (!found) found = wrong_for_bodies(value, bodies);
     if (!found) continue;
     reading.complain(faults, key, {found->code, "", found->why});
-    sound = false;
+    valid = false;
   }
-  return sound;
+  return valid;
 }
 
 /// Returns these bodies if the particles of all could be counted; else none.
@@ -277,7 +277,7 @@ std::vector<bool> closed_bodies(const std::vector<BodyDraft>& bodies,
                                 const std::array<double, 3>& box, int dimension) {
   std::vector<bool> closed(bodies.size(), false);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    if (!bodies[i].sound) continue;
+    if (!bodies[i].valid) continue;
     const BodyEnds ends = bodies[i].record->ends(bodies[i].description.get(), dimension);
     const int axis = ends.open_along;
     const bool by_box = axis >= 0 && box[static_cast<std::size_t>(axis)] > 0.0;
@@ -313,7 +313,7 @@ std::optional<SceneOutline> outline_for(const std::vector<std::size_t>& indices,
   outline.box = box;
   for (const std::size_t index : indices) {
     const BodyDraft& body = bodies[index];
-    if (!body.sound || !body.count) return std::nullopt;
+    if (!body.valid || !body.count) return std::nullopt;
     outline.bodies.push_back({body.name, *body.count, closed[index],
                               neighbour_list(*body.record, body.description, box),
                               species_of(body)});
@@ -356,7 +356,7 @@ void prepare_bodies(std::vector<BodyDraft>& bodies, const std::filesystem::path&
 }
 
 void prepare_force(ForceDraft& force, const std::filesystem::path& folder, FaultList& faults) {
-  if (force.record != nullptr && force.reading.sound) prepare(force, folder, faults);
+  if (force.record != nullptr && force.reading.valid) prepare(force, folder, faults);
 }
 
 std::optional<int> scene_dimension(const std::vector<BodyDraft>& bodies) {
@@ -384,8 +384,8 @@ void check_bodies(std::vector<BodyDraft>& bodies, std::optional<int> dimension, 
     if (body.record == nullptr) continue;
     std::vector<const BodyDraft*> counted;
     if (body.count) counted.push_back(&body);
-    if (!check_values(body.reading, dimension, counted, faults)) body.sound = false;
-    if (!body.sound || !dimension) continue;
+    if (!check_values(body.reading, dimension, counted, faults)) body.valid = false;
+    if (!body.valid || !dimension) continue;
     const auto complaints = complaints_of(*body.record, [&] {
       auto found = body.record->complaints(body.description.get(), *dimension);
       const bool lists_neighbours = body.record->neighbours != nullptr;
@@ -394,7 +394,7 @@ void check_bodies(std::vector<BodyDraft>& bodies, std::optional<int> dimension, 
       return found;
     });
     report(complaints, body.reading, faults);
-    if (!complaints.empty()) body.sound = false;
+    if (!complaints.empty()) body.valid = false;
   }
 }
 
@@ -408,8 +408,8 @@ void check_forces(std::vector<ForceDraft>& forces, const std::vector<BodyDraft>&
   for (ForceDraft& force : forces) {
     if (force.record == nullptr) continue;
     const auto counted = counted_bodies(force.bodies, bodies);
-    if (!check_values(force.reading, dimension, counted, faults)) force.sound = false;
-    if (!force.sound || !bodies_are_known) continue;
+    if (!check_values(force.reading, dimension, counted, faults)) force.valid = false;
+    if (!force.valid || !bodies_are_known) continue;
     auto outline = outline_for(force.bodies, bodies, closed, lengths, *dimension);
     if (!outline) continue;
     outline->units = force.reading.units;
@@ -431,7 +431,7 @@ void check_forces(std::vector<ForceDraft>& forces, const std::vector<BodyDraft>&
             {one.code, fmt::format("{}: {}; {}", key, one.why, one.admissible), key});
       }
     }
-    if (!fits) force.sound = false;
+    if (!fits) force.valid = false;
   }
 }
 
@@ -444,15 +444,15 @@ void check_observers(std::vector<ObserverDraft>& observers, const std::vector<Bo
   for (ObserverDraft& observer : observers) {
     if (observer.record == nullptr) continue;
     const auto counted = counted_bodies(observer.bodies, bodies);
-    if (!check_values(observer.reading, dimension, counted, faults)) observer.sound = false;
-    if (!observer.sound || !bodies_are_known) continue;
+    if (!check_values(observer.reading, dimension, counted, faults)) observer.valid = false;
+    if (!observer.valid || !bodies_are_known) continue;
     const auto outline = outline_for(observer.bodies, bodies, closed, lengths, *dimension);
     if (!outline) continue;
     const auto complaints = complaints_of(*observer.record, [&] {
       return observer.record->complaints(observer.description.get(), *outline);
     });
     report(complaints, observer.reading, faults);
-    if (!complaints.empty()) observer.sound = false;
+    if (!complaints.empty()) observer.valid = false;
   }
 }
 

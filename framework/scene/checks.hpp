@@ -26,7 +26,7 @@ struct ComponentDraft {
   const Record* record = nullptr;  ///< nullptr when its type is unfit
   std::shared_ptr<void> description;
   TableReading reading;
-  bool sound = false;  ///< no fault so far
+  bool valid = false;  ///< no fault so far
 };
 
 struct BodyDraft : ComponentDraft<BodyRecord> {

@@ -109,7 +109,7 @@ void read_all(SceneDraft& draft, const std::string& kind, std::vector<Component>
           keys_of_particles(component.record->parameters));
       component.reading =
           draft.read(given, layout_of(*component.record), path, component.description.get());
-      component.sound = component.reading.sound;
+      component.valid = component.reading.valid;
     }
     read_rest(component, given);
     components.push_back(std::move(component));
@@ -122,11 +122,11 @@ void read_freedom(SceneDraft& draft, BodyDraft& body, const SceneSection& given)
   if (const Node* node = given.table->find("hold")) {
     const auto held = draft.values.read(hold_row(), *node, body.reading.path + ".hold");
     if (held) body.hold = std::get<WordList>(*held).words;
-    body.sound = body.sound && held;
+    body.valid = body.valid && held;
   }
   if (const Node* node = given.table->find("motion")) {
     body.motion = read_motion(*node, body.reading.path + ".motion", draft.parameters, draft.faults);
-    body.sound = body.sound && body.motion;
+    body.valid = body.valid && body.motion;
   }
 }
 
@@ -136,11 +136,11 @@ void read_driver(SceneDraft& draft, ForceDraft& force, const SceneSection& given
   if (node == nullptr) return;
   const auto declared = draft.values.read(driver_row(), *node, force.reading.path + ".driver");
   if (declared) force.driver = std::get<bool>(*declared);
-  force.sound = force.sound && declared;
+  force.valid = force.valid && declared;
   if (declared && !force.driver && force.record != nullptr && force.record->traits.does_work) {
     draft.faults.of_value(*node, {FaultCode::scene_conflict, force.reading.path + ".driver",
                                   "a " + force.record->name + " is always a driver", "true"});
-    force.sound = false;
+    force.valid = false;
   }
 }
 
@@ -151,17 +151,17 @@ void read_active(SceneDraft& draft, ForceDraft& force, const SceneSection& given
   const std::string path = force.reading.path + ".active";
   const auto table = draft.inside(*node, path, "{ from = TIME, until = TIME }");
   if (!table) {
-    force.sound = false;
+    force.valid = false;
     return;
   }
   ActiveSettings& active = force.active.emplace();
   TableReading reading = draft.read(*table, active_layout(), path, &active);
-  force.sound = force.sound && reading.sound;
-  if (reading.sound && active.until && !(*active.until > active.from)) {
+  force.valid = force.valid && reading.valid;
+  if (reading.valid && active.until && !(*active.until > active.from)) {
     reading.complain(draft.faults, "until",
                      {FaultCode::scene_out_of_range, path + ".until", "it is not after from",
                       "a time after from, or none"});
-    force.sound = false;
+    force.valid = false;
   }
   force.active_effective = std::move(reading.effective);
 }
@@ -221,11 +221,11 @@ void read_bodies_of(SceneDraft& draft, Component& component, const SceneSection&
   const int fewest = component.record->fewest_bodies;
   const int most = component.record->most_bodies;
   if (count >= fewest && count <= most) return;
-  const std::string due =
+  const std::string expected =
       fewest == most ? fmt::format("{}", most) : fmt::format("{} to {}", fewest, most);
   const Wrong wrong{FaultCode::scene_wrong_count, key,
                     fmt::format("found {} bod{}, but {} {} {}", count, count == 1 ? "y" : "ies",
-                                component.record->name, verb, due)};
+                                component.record->name, verb, expected)};
   if (const Node* node = several ? several : one) {
     draft.faults.of_value(*node, wrong);
   } else {
@@ -241,7 +241,7 @@ void read_particle_values(const SceneDraft& draft, Component& component,
   if (component.record == nullptr) return;
   read_deferred(component.reading, component.record->parameters, component.description.get(), count,
                 draft.values, draft.faults);
-  component.sound = component.sound && component.reading.sound;
+  component.valid = component.valid && component.reading.valid;
 }
 
 std::filesystem::path folder_of(const SceneDraft& draft) {
@@ -266,12 +266,12 @@ class NameCheck {
       if (component.name.empty()) continue;
       const auto [first, is_new] = taken_.emplace(component.name, &component.reading);
       if (is_new) continue;
-      const Place place = draft_.source.place(first->second->where);
+      const SourceLocation location = draft_.source.location(first->second->where);
       component.reading.complain(
           draft_.faults, "name",
           {FaultCode::scene_duplicate_name, "",
            fmt::format("the name {} is taken by {} in line {}", quoted_text(component.name),
-                       first->second->path, place.line)});
+                       first->second->path, location.line)});
     }
   }
 
@@ -348,18 +348,18 @@ std::vector<std::size_t> bodies_in(SceneDraft& draft, const Node& node, const st
   }
   std::vector<std::size_t> result;
   std::set<std::size_t> seen;
-  bool sound = true;
+  bool valid = true;
   for (const Node& element : *list) {
     const auto index = body_named(draft, element, key);
     if (index && !seen.insert(*index).second) {
       draft.faults.of_value(element, {FaultCode::scene_duplicate_key, key,
                                       "the body is named twice", "different bodies"});
-      sound = false;
+      valid = false;
     }
     if (index) result.push_back(*index);
-    sound = sound && index;
+    valid = valid && index;
   }
-  return sound ? result : std::vector<std::size_t>();
+  return valid ? result : std::vector<std::size_t>();
 }
 
 }  // namespace tomlin

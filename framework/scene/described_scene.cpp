@@ -20,8 +20,8 @@ Component component_of(const Draft& from, const Source& source) {
   component.name = from.name;
   component.record = from.record;
   component.description = from.description;
-  component.place = source.place(from.reading.where);
-  component.places = from.reading.places;
+  component.location = source.location(from.reading.where);
+  component.locations = from.reading.locations;
   return component;
 }
 

@@ -28,7 +28,7 @@ std::string_view without_byte_order_mark(std::string_view text) {
   return text;
 }
 
-[[noreturn]] void stop(FaultCode code, const std::string& file, const TextPlace& mark,
+[[noreturn]] void stop(FaultCode code, const std::string& file, const TextPosition& mark,
                        std::string why, std::string admissible = "") {
   throw InputError({Fault(code, {file, static_cast<int>(mark.line), static_cast<int>(mark.column)},
                           "", "", std::move(why), std::move(admissible))});
@@ -42,7 +42,7 @@ class Cursor {
   bool at_end() const { return next_ >= text_.size(); }
   char peek() const { return text_[next_]; }
   std::string_view rest() const { return text_.substr(next_); }
-  TextPlace mark() const { return mark_; }
+  TextPosition mark() const { return mark_; }
 
   void advance(std::size_t bytes = 1) {
     for (; bytes > 0 && !at_end(); --bytes, ++next_) {
@@ -58,7 +58,7 @@ class Cursor {
  private:
   std::string_view text_;
   std::size_t next_ = 0;
-  TextPlace mark_{1, 1};
+  TextPosition mark_{1, 1};
 };
 
 /// The first character of UTF-8 text that begins beyond ASCII.
@@ -375,7 +375,7 @@ std::optional<Fault> explain_setting(std::string_view text) {
 Source::Source(std::string file, std::string_view text, const std::vector<Setting>& settings)
     : file_(std::move(file)), text_(without_byte_order_mark(text)), settings_(settings) {}
 
-Place Source::place(const Extent& extent) const {
+SourceLocation Source::location(const Extent& extent) const {
   if (extent.setting > 0) {
     const Setting& setting = settings_[extent.setting - 1];
     return {"--set " + shortened(setting.path + "=" + setting.value, kLongestShownValue), 0, 0};
@@ -387,19 +387,19 @@ std::string Source::written(const Extent& extent) const {
   return shortened(slice(extent), kLongestShownValue);
 }
 
-Place Source::place_inside(const Node& text, std::size_t byte) const {
-  Place place = this->place(text.where);
+SourceLocation Source::location_inside(const Node& text, std::size_t byte) const {
+  SourceLocation location = this->location(text.where);
   const std::string* contents = text.as<std::string>();
   const std::string_view source = slice(text.where);
   const bool literal = contents != nullptr && source.size() == contents->size() + 2 &&
                        source.substr(1, contents->size()) == *contents;
   if (text.where.setting == 0 && literal) {
     const std::string_view before = std::string_view(*contents).substr(0, byte);
-    place.column += 1 + static_cast<int>(std::count_if(before.begin(), before.end(), [](char c) {
-                      return !is_utf8_continuation(c);
-                    }));
+    location.column += 1 + static_cast<int>(std::count_if(before.begin(), before.end(), [](char c) {
+                         return !is_utf8_continuation(c);
+                       }));
   }
-  return place;
+  return location;
 }
 
 std::string_view Source::slice(const Extent& extent) const {
@@ -409,10 +409,10 @@ std::string_view Source::slice(const Extent& extent) const {
   return text_.substr(begin, offset(extent.end) - begin);
 }
 
-std::size_t Source::offset(const TextPlace& mark) const {
+std::size_t Source::offset(const TextPosition& mark) const {
   const bool ahead =
       std::pair(mark.line, mark.column) >= std::pair(last_mark_.line, last_mark_.column);
-  TextPlace here = ahead ? last_mark_ : TextPlace{1, 1};
+  TextPosition here = ahead ? last_mark_ : TextPosition{1, 1};
   std::size_t at = ahead ? last_offset_ : 0;
   while (here.line < mark.line) {
     const std::size_t end = text_.find('\n', at);

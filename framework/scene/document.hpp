@@ -11,7 +11,7 @@
 #include "framework/core/text/fault.hpp"
 #include "framework/scene/scene.hpp"
 
-/// A TOML document as a plain tree in file order, each key and value with its place. The TOML
+/// A TOML document as a plain tree in file order, each key and value with its position. The TOML
 /// library itself is seen by document.cpp only.
 namespace tomlin {
 
@@ -21,15 +21,15 @@ inline constexpr int kDeepestNesting = 32;  ///< of brackets, and of the parts o
 inline constexpr std::size_t kMostValues = 1'000'000;
 
 /// Line and column, from 1, in characters.
-struct TextPlace {
+struct TextPosition {
   std::uint32_t line = 0;
   std::uint32_t column = 0;
 };
 
 /// Position of a key or a value: in the file, or in the n-th `--set` (setting = n, from 1).
 struct Extent {
-  TextPlace begin;
-  TextPlace end;
+  TextPosition begin;
+  TextPosition end;
   std::uint32_t setting = 0;
 };
 
@@ -105,22 +105,22 @@ class Source {
   /// Text and settings must outlive the source.
   Source(std::string file, std::string_view text, const std::vector<Setting>& settings);
 
-  Place place(const Extent& extent) const;
+  SourceLocation location(const Extent& extent) const;
   /// On one line and shortened to fit a message.
   std::string written(const Extent& extent) const;
   /// The extent as the text, or the setting, has it.
   std::string_view slice(const Extent& extent) const;
   /// Position of a byte of a string's contents; that of the string where escapes hide it.
-  Place place_inside(const Node& text, std::size_t byte) const;
+  SourceLocation location_inside(const Node& text, std::size_t byte) const;
 
  private:
-  std::size_t offset(const TextPlace& mark) const;
+  std::size_t offset(const TextPosition& mark) const;
 
   std::string file_;
   std::string_view text_;
   const std::vector<Setting>& settings_;
   // The last search ended here: faults come mostly in order, and lines may be megabytes long.
-  mutable TextPlace last_mark_{1, 1};
+  mutable TextPosition last_mark_{1, 1};
   mutable std::size_t last_offset_ = 0;
 };
 

@@ -9,8 +9,8 @@ namespace {
 
 bool found_before(const FoundFault& a, const FoundFault& b) {
   const auto order = [](const FoundFault& found) {
-    const Place& place = found.fault.place;
-    return std::tuple(found.setting, place.line, place.column);
+    const SourceLocation& location = found.fault.location;
+    return std::tuple(found.setting, location.line, location.column);
   };
   return order(a) < order(b);
 }
@@ -18,16 +18,16 @@ bool found_before(const FoundFault& a, const FoundFault& b) {
 }  // namespace
 
 void FaultList::of_value(const Node& value, Wrong wrong) {
-  add(value.where.setting, source_.place(value.where), source_.written(value.where),
+  add(value.where.setting, source_.location(value.where), source_.written(value.where),
       std::move(wrong));
 }
 
 void FaultList::of_key(const Extent& key, Wrong wrong) {
-  add(key.setting, source_.place(key), "", std::move(wrong));
+  add(key.setting, source_.location(key), "", std::move(wrong));
 }
 
 void FaultList::inside(const Node& text, std::size_t byte, Wrong wrong) {
-  add(text.where.setting, source_.place_inside(text, byte), source_.written(text.where),
+  add(text.where.setting, source_.location_inside(text, byte), source_.written(text.where),
       std::move(wrong));
 }
 
@@ -46,16 +46,17 @@ std::vector<Fault> FaultList::in_order() const {
 
 void FaultList::take(Fault fault) { add({0, std::move(fault)}); }
 
-void FaultList::add(std::uint32_t setting, Place place, std::string value, Wrong wrong) {
+void FaultList::add(std::uint32_t setting, SourceLocation location, std::string value,
+                    Wrong wrong) {
   add({setting,
-       Fault(wrong.code, std::move(place), std::move(wrong.key), std::move(value),
+       Fault(wrong.code, std::move(location), std::move(wrong.key), std::move(value),
              std::move(wrong.why), std::move(wrong.admissible), std::move(wrong.nearest))});
 }
 
 void FaultList::add(FoundFault found) {
   if (faults_.size() == kMostFaults) {
     std::vector<Fault> faults = in_order();
-    faults.emplace_back(FaultCode::scene_too_many_faults, faults.back().place, "", "",
+    faults.emplace_back(FaultCode::scene_too_many_faults, faults.back().location, "", "",
                         "further faults are not shown");
     throw InputError(std::move(faults));
   }

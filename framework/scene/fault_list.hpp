@@ -53,11 +53,11 @@ class FaultList {
   void take(Fault fault);
 
   bool empty() const { return faults_.empty(); }
-  /// Throws InputError with all of them by place, those of the file first.
+  /// Throws InputError with all of them by position, those of the file first.
   void throw_if_any() const;
 
  private:
-  void add(std::uint32_t setting, Place place, std::string value, Wrong wrong);
+  void add(std::uint32_t setting, SourceLocation location, std::string value, Wrong wrong);
   void add(FoundFault found);
   std::vector<Fault> in_order() const;
 

@@ -42,7 +42,7 @@ class FreedomCheck {
     const Extent& where = entry ? entry->where : body_.reading.where;
     faults_.of_key(where, {FaultCode::body_invalid_coordinates, body_.reading.path + "." + key,
                            std::move(why), std::move(admissible)});
-    body_.sound = false;
+    body_.valid = false;
   }
 
   void check_whether_held() {
@@ -139,7 +139,7 @@ class FreedomCheck {
   void refuse(FaultCode code, const Table& motion, const std::string& key, std::string why) {
     faults_.of_value(*motion.find(key),
                      {code, body_.reading.path + ".motion." + key, std::move(why)});
-    body_.sound = false;
+    body_.valid = false;
   }
 
   BodyDraft& body_;

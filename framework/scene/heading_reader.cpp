@@ -128,8 +128,8 @@ void read_box(SceneDraft& draft) {
   if (!given) return;
   BoxSettings& box = draft.scene->box;
   draft.box = draft.read(*given, box_layout(), "box", &box);
-  box.place = draft.source.place(given->where);
-  box.places = draft.box->places;
+  box.location = draft.source.location(given->where);
+  box.locations = draft.box->locations;
   draft.effective.set("box", {draft.box->effective, {}});
 }
 

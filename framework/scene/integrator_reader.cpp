@@ -43,7 +43,7 @@ void take_any_integrator(SceneDraft& draft, const SceneSection& run, bool quasis
     if (!(quasistatic ? record->follows_equilibria : record->takes_any_scene())) continue;
     if (!record->adaptive) continue;
     take(draft, *record);
-    draft.scene->run.integrator.place = draft.source.place(run.where);
+    draft.scene->run.integrator.location = draft.source.location(run.where);
     return;
   }
   draft.faults.of_key(run.where, {FaultCode::run_no_accuracy, "run.accuracy",
@@ -82,7 +82,7 @@ void fit_to_dynamics(SceneDraft& draft, const TableReading& reading,
 
 std::optional<Node> read_integrator(SceneDraft& draft, const SceneSection& run) {
   const std::string path = "run.integrator";
-  const std::string due = "{ type = ..., ... }";
+  const std::string expected = "{ type = ..., ... }";
   const bool quasistatic = draft.scene->run.dynamics == Dynamics::quasistatic;
   const Node* node = run.table->find("integrator");
   const Entry* accuracy = run.table->find_entry("accuracy");
@@ -98,11 +98,11 @@ std::optional<Node> read_integrator(SceneDraft& draft, const SceneSection& run) 
   const Node by_default{following_scheme(draft.registry), run.where};
   if (node == nullptr && quasistatic) node = &by_default;
   if (node == nullptr) {
-    draft.faults.of_key(run.where,
-                        {FaultCode::scene_missing_key, path, "missing", due + ", or accuracy"});
+    draft.faults.of_key(
+        run.where, {FaultCode::scene_missing_key, path, "missing", expected + ", or accuracy"});
     return std::nullopt;
   }
-  const auto given = draft.inside(*node, path, due);
+  const auto given = draft.inside(*node, path, expected);
   if (!given) return std::nullopt;
   const auto* record = read_record(draft, "integrator", *given, path, draft.registry.integrators());
   if (record == nullptr) return std::nullopt;
@@ -111,7 +111,7 @@ std::optional<Node> read_integrator(SceneDraft& draft, const SceneSection& run) 
   auto reading = draft.read(*given, integrator_layout(*record), path, description.get());
   const auto natural = fill_in_natural_defaults(draft, *record, *given->table, description.get());
   for (const auto& [key, value] : natural) reading.effective.set(key, Node{value, {}});
-  if (reading.sound) {
+  if (reading.valid) {
     const auto look = [&] { return record->complaints(description.get()); };
     report(complaints_of(*record, look), reading, draft.faults);
   }
@@ -124,8 +124,8 @@ std::optional<Node> read_integrator(SceneDraft& draft, const SceneSection& run) 
   integrator.name = record->name;
   integrator.record = record;
   integrator.description = std::move(description);
-  integrator.place = draft.source.place(given->where);
-  integrator.places = reading.places;
+  integrator.location = draft.source.location(given->where);
+  integrator.locations = reading.locations;
   if (record->follows_equilibria != quasistatic) fit_to_dynamics(draft, reading, *record);
   return Node{std::move(effective), {}};
 }

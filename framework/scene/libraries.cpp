@@ -10,11 +10,11 @@ std::vector<NamedLibrary> named_libraries(const Table& document, const std::stri
   constexpr std::size_t kMostLibraries = 100;
   const Node* node = document.find("plugins");
   if (node == nullptr) return {};
-  const std::string due = "a list of shared libraries, [\"libmorse.so\"]";
+  const std::string expected = "a list of shared libraries, [\"libmorse.so\"]";
   const auto* list = node->as<List>();
   if (list == nullptr || list->size() > kMostLibraries) {
     faults.of_value(*node, {list ? FaultCode::scene_too_large : FaultCode::scene_wrong_type,
-                            "plugins", list ? "too many" : "found " + kind_of(*node), due});
+                            "plugins", list ? "too many" : "found " + kind_of(*node), expected});
     return {};
   }
   std::vector<NamedLibrary> libraries;
@@ -23,14 +23,14 @@ std::vector<NamedLibrary> named_libraries(const Table& document, const std::stri
   for (const Node& element : *list) {
     const auto* name = element.as<std::string>();
     if (name == nullptr) {
-      faults.of_value(element,
-                      {FaultCode::scene_wrong_type, "plugins", "found " + kind_of(element), due});
+      faults.of_value(
+          element, {FaultCode::scene_wrong_type, "plugins", "found " + kind_of(element), expected});
     } else if (name->empty() || name->find('\0') != std::string::npos) {
-      faults.of_value(element,
-                      {FaultCode::plugin_cannot_load, "plugins", "not the name of a file", due});
+      faults.of_value(
+          element, {FaultCode::plugin_cannot_load, "plugins", "not the name of a file", expected});
     } else {
       libraries.push_back(
-          {*name, (folder / *name).lexically_normal(), source.place(element.where)});
+          {*name, (folder / *name).lexically_normal(), source.location(element.where)});
     }
   }
   return libraries;

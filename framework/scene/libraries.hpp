@@ -16,7 +16,7 @@ namespace tomlin {
 struct NamedLibrary {
   std::string given;
   std::filesystem::path path;  ///< absolute; relative ones are to the scene's folder
-  Place place;
+  SourceLocation location;
 };
 
 /// Libraries of a document; an entry that is no name of a file is reported.

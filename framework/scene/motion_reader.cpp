@@ -20,8 +20,9 @@ namespace {
 
 constexpr std::size_t kMostDimensions = 3;
 constexpr std::string_view kVariable = "t";
-constexpr const char* kNumberDue = "a number or an expression in t";
-constexpr const char* kVelocityDue = "a list with a number or an expression in t per dimension";
+constexpr const char* kExpectedNumber = "a number or an expression in t";
+constexpr const char* kExpectedVelocity =
+    "a list with a number or an expression in t per dimension";
 
 TableLayout motion_layout() {
   TableLayout layout;
@@ -54,8 +55,8 @@ class MotionReader {
   std::optional<std::vector<TimeFunction>> vector(const Node& node, const std::string& key) {
     const auto* list = node.as<List>();
     if (list == nullptr) {
-      faults_.of_value(node,
-                       {FaultCode::scene_wrong_type, key, "found " + kind_of(node), kVelocityDue});
+      faults_.of_value(
+          node, {FaultCode::scene_wrong_type, key, "found " + kind_of(node), kExpectedVelocity});
       return std::nullopt;
     }
     std::vector<TimeFunction> result;
@@ -67,7 +68,7 @@ class MotionReader {
     faults_.of_value(node,
                      {FaultCode::scene_wrong_count, key,
                       result.empty() ? "the list is empty" : "space has at most three dimensions",
-                      kVelocityDue});
+                      kExpectedVelocity});
     return std::nullopt;
   }
 
@@ -80,8 +81,9 @@ class MotionReader {
     if (given != nullptr && std::isfinite(*given)) {
       return constant_function(*given, value_text(node));
     }
-    faults_.of_value(node, {given ? FaultCode::scene_not_finite : FaultCode::scene_wrong_type, key,
-                            given ? "not a finite number" : "found " + kind_of(node), kNumberDue});
+    faults_.of_value(node,
+                     {given ? FaultCode::scene_not_finite : FaultCode::scene_wrong_type, key,
+                      given ? "not a finite number" : "found " + kind_of(node), kExpectedNumber});
     return std::nullopt;
   }
 
@@ -137,23 +139,23 @@ std::optional<Motion> read_motion(const Node& node, const std::string& key,
   }
   MotionReader reader(parameters, faults);
   Motion motion;
-  bool sound = true;
+  bool valid = true;
   for (const Entry& entry : table->entries) {
     const std::string path = key + "." + entry.key;
     if (entry.key == "velocity") {
       auto velocity = reader.vector(entry.value, path);
-      sound = sound && velocity;
+      valid = valid && velocity;
       if (velocity) motion.velocity = *std::move(velocity);
     } else if (entry.key == "angular_velocity") {
       auto angular = reader.number(entry.value, path);
-      sound = sound && angular;
+      valid = valid && angular;
       if (angular) motion.angular_velocity = *std::move(angular);
     } else {
       report_key(entry, key, motion_layout(), faults);
-      sound = false;
+      valid = false;
     }
   }
-  if (!sound) return std::nullopt;
+  if (!valid) return std::nullopt;
   return motion;
 }
 

@@ -105,11 +105,11 @@ class Search {
     double shortest = kNoLength;
     try {
       const BodyGeometry geometry = body.record->build(body.description.get(), scene_.dimension);
-      const auto& place = geometry.relative;
-      for (std::size_t i = 1; i < place.size(); ++i) {
+      const auto& point = geometry.relative;
+      for (std::size_t i = 1; i < point.size(); ++i) {
         double square = 0.0;
-        for (std::size_t d = 0; d < place[i].size(); ++d) {
-          const double apart = place[i][d] - place[i - 1][d];
+        for (std::size_t d = 0; d < point[i].size(); ++d) {
+          const double apart = point[i][d] - point[i - 1][d];
           square = std::fma(apart, apart, square);
         }
         if (square > 0.0) shortest = std::min(shortest, std::sqrt(square));

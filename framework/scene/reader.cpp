@@ -27,12 +27,12 @@ void check_components(SceneDraft& draft) {
   check_freedom(bodies, dimension, faults);
   check_bodies(bodies, dimension, faults);
   const BoxSettings& box = draft.scene->box;
-  const bool box_is_sound = !draft.box ? draft.document.find("box") == nullptr
+  const bool box_is_valid = !draft.box ? draft.document.find("box") == nullptr
                                        : check_box(box, *draft.box, dimension, faults);
-  const BoxSettings* sound_box = box_is_sound ? &box : nullptr;
-  check_forces(draft.forces, bodies, sound_box, dimension, faults);
-  check_observers(draft.observers, bodies, sound_box, dimension, faults);
-  if (!draft.box || !box_is_sound) return;
+  const BoxSettings* valid_box = box_is_valid ? &box : nullptr;
+  check_forces(draft.forces, bodies, valid_box, dimension, faults);
+  check_observers(draft.observers, bodies, valid_box, dimension, faults);
+  if (!draft.box || !box_is_valid) return;
   check_box_periods(box, *draft.box, draft.forces, faults);
   check_box_bodies(box, *draft.box, bodies, *dimension, faults);
 }

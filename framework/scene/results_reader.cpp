@@ -62,8 +62,8 @@ void read_measure(SceneDraft& draft) {
   MeasureSettings& measure = draft.scene->measure;
   static const TableLayout layout = measure_layout();
   const TableReading reading = draft.read(*given, layout, "measure", &measure);
-  measure.place = draft.source.place(given->where);
-  measure.places = reading.places;
+  measure.location = draft.source.location(given->where);
+  measure.locations = reading.locations;
   const std::optional<UntilSettings>& until = draft.scene->run.until;
   if (until && !until->is_steady() && given->table->find("to") != nullptr) {
     reading.complain(draft.faults, "to",
@@ -73,7 +73,7 @@ void read_measure(SceneDraft& draft) {
   } else if (!until || !until->is_steady()) {
     check_window(draft, reading);
   }
-  if (reading.sound) check_periods(draft, reading);
+  if (reading.valid) check_periods(draft, reading);
   draft.effective.set("measure", {reading.effective, {}});
 }
 
@@ -83,8 +83,8 @@ void read_output(SceneDraft& draft) {
   OutputSettings& output = draft.scene->output;
   static const TableLayout layout = output_layout();
   const TableReading reading = draft.read(given, layout, "output", &output);
-  output.place = draft.source.place(given.where);
-  output.places = reading.places;
+  output.location = draft.source.location(given.where);
+  output.locations = reading.locations;
   if (output.trajectory && given.table->find("every") == nullptr) {
     reading.complain(draft.faults, "trajectory",
                      {FaultCode::scene_conflict, "",

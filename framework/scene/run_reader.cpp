@@ -18,8 +18,8 @@ std::optional<Node> read_perturb(SceneDraft& draft, const SceneSection& run) {
   if (!given) return std::nullopt;
   PerturbSettings& perturb = draft.scene->run.perturb.emplace();
   const auto reading = draft.read(*given, perturb_layout(), path, &perturb);
-  perturb.place = draft.source.place(node->where);
-  perturb.places = reading.places;
+  perturb.location = draft.source.location(node->where);
+  perturb.locations = reading.locations;
   if (const Node* bodies = given->table->find("bodies")) {
     perturb.bodies = bodies_in(draft, *bodies, path + ".bodies");
   } else {
@@ -43,8 +43,8 @@ std::optional<Node> read_until(SceneDraft& draft, const SceneSection& run) {
       given->table->find("error") != nullptr || given->table->find("of") != nullptr;
   const auto reading =
       draft.read(*given, of_error ? until_error_layout() : until_layout(), path, &until);
-  until.place = draft.source.place(node.where);
-  until.places = reading.places;
+  until.location = draft.source.location(node.where);
+  until.locations = reading.locations;
   if (until.max) {
     double& duration = draft.scene->run.duration;
     duration = draft.duration_is_known ? std::min(duration, *until.max) : *until.max;
@@ -93,8 +93,8 @@ void read_run(SceneDraft& draft) {
   RunSettings& run = draft.scene->run;
   const bool until = given->table->find("until") != nullptr;
   const TableReading reading = read_run_table(draft, *given, until);
-  run.place = draft.source.place(given->where);
-  run.places = reading.places;
+  run.location = draft.source.location(given->where);
+  run.locations = reading.locations;
   draft.duration_is_known = reading.has("duration");
 
   Table effective;

@@ -34,12 +34,12 @@ struct SceneComponent {
   std::string name;
   const Record* record = nullptr;
   std::shared_ptr<const void> description;
-  Place place;                          ///< of its table
-  std::map<std::string, Place> places;  ///< of each key that was given
+  SourceLocation location;                          ///< of its table
+  std::map<std::string, SourceLocation> locations;  ///< of each key that was given
 
-  Place place_of(const std::string& key) const {
-    const auto found = places.find(key);
-    return found == places.end() ? place : found->second;
+  SourceLocation location_of(const std::string& key) const {
+    const auto found = locations.find(key);
+    return found == locations.end() ? location : found->second;
   }
 };
 
@@ -83,8 +83,8 @@ struct PerturbSettings {
   double size = 0.0;                     ///< of the noise on each generalised coordinate
   std::int64_t repeats = 3;              ///< one seed each
   std::vector<std::string> observables;  ///< empty: the mean forces of all drivers
-  Place place;
-  std::map<std::string, Place> places;
+  SourceLocation location;
+  std::map<std::string, SourceLocation> locations;
 };
 
 /// `until = { steady = "driver.mean_force.x", tolerance = 1e-6, max = 1e5 }`: the run ends when an
@@ -99,8 +99,8 @@ struct UntilSettings {
 
   bool is_steady() const { return of.empty(); }
   const std::string& observable() const { return is_steady() ? steady : of; }
-  Place place;
-  std::map<std::string, Place> places;
+  SourceLocation location;
+  std::map<std::string, SourceLocation> locations;
 };
 
 /// The equations of motion.
@@ -128,8 +128,8 @@ struct RunSettings {
   double checkpoint_every = 60.0;
   std::optional<PerturbSettings> perturb;
   std::optional<UntilSettings> until;
-  Place place;
-  std::map<std::string, Place> places;
+  SourceLocation location;
+  std::map<std::string, SourceLocation> locations;
 };
 
 /// `[measure]`: the window over which means, work and extremes are taken.
@@ -141,8 +141,8 @@ struct MeasureSettings {
   std::string driver;                    ///< whose periods are counted; empty: the only one
   std::optional<double> period;          ///< a length, when given
   std::vector<std::string> observables;  ///< empty: all that there are
-  Place place;
-  std::map<std::string, Place> places;
+  SourceLocation location;
+  std::map<std::string, SourceLocation> locations;
 };
 
 constexpr auto word_table(MeasureSettings::Unit) {
@@ -162,16 +162,16 @@ struct OutputSettings {
   std::optional<double> every;  ///< sampling interval in time units; no table without it
   bool trajectory = false;      ///< particles' positions too
   TrajectoryFormat trajectory_format = TrajectoryFormat::h5md;
-  Place place;
-  std::map<std::string, Place> places;
+  SourceLocation location;
+  std::map<std::string, SourceLocation> locations;
 };
 
 /// `[box]`: along a periodic axis everything repeats with the box's length.
 struct BoxSettings {
   std::vector<double> lengths;  ///< [dimension]; empty: there is no box
   std::vector<bool> periodic;   ///< [dimension]; the length of another axis is only recorded
-  Place place;
-  std::map<std::string, Place> places;
+  SourceLocation location;
+  std::map<std::string, SourceLocation> locations;
 };
 
 /// `axes = { length = "a", force = "V_0/a" }` of `[scene]` in reduced units: what the axes of

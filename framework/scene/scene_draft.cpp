@@ -20,10 +20,11 @@ std::optional<SceneSection> SceneDraft::section(const std::string& key) {
 std::vector<SceneSection> SceneDraft::sections(const std::string& key) {
   const Node* node = document.find(key);
   if (node == nullptr) return {};
-  const std::string due = "a list of tables, [[" + key + "]]";
+  const std::string expected = "a list of tables, [[" + key + "]]";
   const auto* list = node->as<List>();
   if (list == nullptr) {
-    faults.of_key(node->where, {FaultCode::scene_wrong_type, key, "found " + kind_of(*node), due});
+    faults.of_key(node->where,
+                  {FaultCode::scene_wrong_type, key, "found " + kind_of(*node), expected});
     return {};
   }
   if (list->size() > kMostComponents) {
@@ -34,15 +35,15 @@ std::vector<SceneSection> SceneDraft::sections(const std::string& key) {
   }
   std::vector<SceneSection> result;
   for (const Node& element : *list) {
-    if (const auto table = inside(element, key, due)) result.push_back(*table);
+    if (const auto table = inside(element, key, expected)) result.push_back(*table);
   }
   return result;
 }
 
 std::optional<SceneSection> SceneDraft::inside(const Node& node, const std::string& path,
-                                               const std::string& due) {
+                                               const std::string& expected) {
   if (const auto* table = node.as<Table>()) return SceneSection{table, node.where};
-  faults.of_value(node, {FaultCode::scene_wrong_type, path, "found " + kind_of(node), due});
+  faults.of_value(node, {FaultCode::scene_wrong_type, path, "found " + kind_of(node), expected});
   return std::nullopt;
 }
 

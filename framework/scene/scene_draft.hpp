@@ -47,7 +47,7 @@ struct SceneDraft {
   std::vector<SceneSection> sections(const std::string& key);
   /// A table inside of another, `key = { ... }`; nothing when it is no table, and reported.
   std::optional<SceneSection> inside(const Node& node, const std::string& path,
-                                     const std::string& due);
+                                     const std::string& expected);
   /// Assigns the rows of a table to the description and reports what is unfit.
   TableReading read(const SceneSection& given, const TableLayout& layout, std::string path,
                     void* description);

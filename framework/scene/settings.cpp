@@ -118,7 +118,7 @@ class Application {
     if (parts[0] == "run") replace_rival(parts[1]);
   }
 
-  /// The last one set of an integrator and an accuracy in its place is meant: removes the other.
+  /// The last one set of an integrator and an accuracy is meant: removes the other.
   void replace_rival(const std::string& key) {
     Node* node = document_.find("run");
     Table* run = node ? node->as<Table>() : nullptr;

@@ -100,7 +100,7 @@ void count_particles(std::vector<BodyDraft>& bodies, std::optional<int> dimensio
       body.count = count;
       total += count;
     }
-    if (!body.count) body.sound = false;
+    if (!body.count) body.valid = false;
   }
 }
 

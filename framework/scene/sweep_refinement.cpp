@@ -76,7 +76,7 @@ class RefinementReader {
                 std::string nearest = "") {
     const std::string shown = shortened(written.text, kLongestShownValue);
     const bool is_option = written.key.empty();
-    faults_.emplace_back(code, written.place, is_option ? shown : written.key,
+    faults_.emplace_back(code, written.location, is_option ? shown : written.key,
                          is_option ? "" : shown, std::move(why), std::move(admissible),
                          std::move(nearest));
   }

@@ -191,16 +191,16 @@ std::string SweepValues::canonical() const {
 }
 
 void add_axis(SweepSettings& settings, const std::string& name, const std::string& values,
-              const Place& place, std::vector<Fault>& faults) {
+              const SourceLocation& location, std::vector<Fault>& faults) {
   const std::string shown = shortened(values, kLongestShownValue);
   auto read = SweepValues::parse(values);
   if (auto* axis = std::get_if<SweepValues>(&read)) {
-    settings.over.push_back({name, std::move(*axis), place, shown});
+    settings.over.push_back({name, std::move(*axis), location, shown});
     return;
   }
   settings.unread.push_back(name);
   Wrong& wrong = std::get<Wrong>(read);
-  faults.emplace_back(wrong.code, place, name, shown, std::move(wrong.why),
+  faults.emplace_back(wrong.code, location, name, shown, std::move(wrong.why),
                       std::move(wrong.admissible), std::move(wrong.nearest));
 }
 
@@ -211,7 +211,7 @@ void add_repeats(SweepSettings& settings, std::vector<Fault>& faults) {
   const char* const end = given.text.data() + given.text.size();
   const auto [read, error] = std::from_chars(given.text.data(), end, count);
   if (error != std::errc() || read != end || count < 2 || count > kMostSweepPoints) {
-    faults.emplace_back(FaultCode::command_invalid_value, given.place, given.key, given.text,
+    faults.emplace_back(FaultCode::command_invalid_value, given.location, given.key, given.text,
                         "not a number of repeats",
                         fmt::format("a whole number from 2 to {}", kMostSweepPoints));
     return;
@@ -219,7 +219,7 @@ void add_repeats(SweepSettings& settings, std::vector<Fault>& faults) {
   auto values = SweepValues::parse(fmt::format("0:{}:{}", count - 1, count));
   settings.over.insert(
       settings.over.begin(),
-      {"run.stream", std::get<SweepValues>(std::move(values)), given.place, given.text});
+      {"run.stream", std::get<SweepValues>(std::move(values)), given.location, given.text});
 }
 
 std::vector<SweepDimension> sweep_dimensions(const SweepSettings& settings,
@@ -231,7 +231,7 @@ std::vector<SweepDimension> sweep_dimensions(const SweepSettings& settings,
       return sets_part_of(axis.name, name) || sets_part_of(name, axis.name);
     });
     if (taken) {
-      faults.emplace_back(FaultCode::scene_duplicate_key, axis.place, axis.name, axis.shown,
+      faults.emplace_back(FaultCode::scene_duplicate_key, axis.location, axis.name, axis.shown,
                           "another axis sets it, or a part of it, already");
     }
     names.push_back(axis.name);
@@ -245,7 +245,7 @@ std::vector<SweepDimension> sweep_dimensions(const SweepSettings& settings,
     const std::string shown = fmt::format("{}", fmt::join(zip.names, ","));
     const auto complain = [&](FaultCode code, std::string why, std::string admissible,
                               std::string nearest = "") {
-      faults.emplace_back(code, zip.place, "zip", shown, std::move(why), std::move(admissible),
+      faults.emplace_back(code, zip.location, "zip", shown, std::move(why), std::move(admissible),
                           std::move(nearest));
     };
     if (zip.names.size() < 2) {
@@ -281,23 +281,23 @@ std::vector<SweepDimension> sweep_dimensions(const SweepSettings& settings,
   std::map<const SweepZip*, std::size_t> made;
   for (std::size_t k = 0; k < over.size(); ++k) {
     if (zip_of[k] != nullptr) {
-      const auto [place, is_new] = made.try_emplace(zip_of[k], dimensions.size());
+      const auto [entry, is_new] = made.try_emplace(zip_of[k], dimensions.size());
       if (!is_new) {
-        dimensions[place->second].axes.push_back(k);
+        dimensions[entry->second].axes.push_back(k);
         continue;
       }
     }
     dimensions.push_back({{k}, over[k].values.size()});
   }
   if (dimensions.size() > kMostSweepDimensions) {
-    faults.emplace_back(FaultCode::scene_too_large, over.front().place, "", "",
+    faults.emplace_back(FaultCode::scene_too_large, over.front().location, "", "",
                         fmt::format("{} axes are too many", dimensions.size()),
                         fmt::format("at most {}; --set for a single value", kMostSweepDimensions));
   }
   double points = 1.0;
   for (const SweepDimension& dimension : dimensions) points *= static_cast<double>(dimension.count);
   if (points > static_cast<double>(kMostSweepPoints)) {
-    faults.emplace_back(FaultCode::scene_too_large, over.front().place, "", "",
+    faults.emplace_back(FaultCode::scene_too_large, over.front().location, "", "",
                         fmt::format("{:g} points are too many", points),
                         fmt::format("at most {}", kMostSweepPoints));
   }
@@ -338,7 +338,7 @@ class SweepReader {
           complain(entry.value, FaultCode::scene_out_of_range, "sweep.repeats", "out of range",
                    "2 or more");
         } else if (count != nullptr) {
-          settings_.repeats = {value_text(entry.value), source_.place(entry.value.where),
+          settings_.repeats = {value_text(entry.value), source_.location(entry.value.where),
                                "sweep.repeats"};
         } else {
           complain(entry.value, FaultCode::scene_wrong_type, "sweep.repeats",
@@ -352,7 +352,7 @@ class SweepReader {
         const bool is_number =
             entry.value.as<double>() != nullptr || entry.value.as<std::int64_t>() != nullptr;
         if (is_number) {
-          settings_.refine.to = {value_text(entry.value), source_.place(entry.value.where),
+          settings_.refine.to = {value_text(entry.value), source_.location(entry.value.where),
                                  "sweep.refine_to"};
         } else {
           read_text(entry, settings_.refine.to, "a number");
@@ -361,7 +361,7 @@ class SweepReader {
         check_files(entry.value);
       } else if (entry.key == "observables") {
         settings_.observables = words(entry.value, "sweep.observables");
-        settings_.observables_place = source_.place(entry.value.where);
+        settings_.observables_location = source_.location(entry.value.where);
       } else {
         report_unknown(entry);
       }
@@ -372,14 +372,14 @@ class SweepReader {
  private:
   void complain(const Node& node, FaultCode code, std::string key, std::string why,
                 std::string admissible) {
-    faults_.emplace_back(code, source_.place(node.where), std::move(key),
+    faults_.emplace_back(code, source_.location(node.where), std::move(key),
                          source_.written(node.where), std::move(why), std::move(admissible));
   }
 
   void read_text(const Entry& entry, std::optional<SweepText>& into, const char* admissible) {
     const std::string key = "sweep." + entry.key;
     if (const auto* text = entry.value.as<std::string>()) {
-      into = {*text, source_.place(entry.value.where), key};
+      into = {*text, source_.location(entry.value.where), key};
     } else {
       complain(entry.value, FaultCode::scene_wrong_type, key, "found " + kind_of(entry.value),
                admissible);
@@ -389,11 +389,11 @@ class SweepReader {
   /// texts_of_files() reads them.
   void check_files(const Node& node) {
     const Table* table = node.as<Table>();
-    const bool sound =
+    const bool valid =
         table != nullptr &&
         std::all_of(table->entries.begin(), table->entries.end(),
                     [](const Entry& one) { return one.value.as<std::string>() != nullptr; });
-    if (sound) return;
+    if (valid) return;
     complain(node, FaultCode::scene_wrong_type, "sweep.files", "found " + kind_of(node),
              "a table of names of files with their texts");
   }
@@ -401,7 +401,7 @@ class SweepReader {
   void report_unknown(const Entry& entry) {
     const std::vector<std::string> keys = sweep_layout().keys();
     const std::string name = "sweep." + key_text(shortened(entry.key, kLongestShownValue));
-    faults_.emplace_back(FaultCode::scene_unknown_key, source_.place(entry.where), name, "",
+    faults_.emplace_back(FaultCode::scene_unknown_key, source_.location(entry.where), name, "",
                          "unknown key", listed(keys), nearest_name(entry.key, keys).value_or(""));
   }
 
@@ -417,7 +417,7 @@ class SweepReader {
       if (entry.value.as<Table>() != nullptr) {
         read_over(entry.value, name + ".");
       } else if (auto values = values_of(entry.value, "sweep.over." + name)) {
-        settings_.over.push_back({name, *std::move(values), source_.place(entry.value.where),
+        settings_.over.push_back({name, *std::move(values), source_.location(entry.value.where),
                                   source_.written(entry.value.where)});
       } else {
         settings_.unread.push_back(name);
@@ -458,11 +458,11 @@ class SweepReader {
   std::vector<std::string> words(const Node& node, const std::string& key) {
     std::vector<std::string> result;
     const auto* list = node.as<List>();
-    const bool sound =
+    const bool valid =
         list != nullptr && std::all_of(list->begin(), list->end(), [](const Node& one) {
           return one.as<std::string>() != nullptr;
         });
-    if (!sound) {
+    if (!valid) {
       complain(node, FaultCode::scene_wrong_type, key, "found " + kind_of(node), "a list of names");
       return result;
     }
@@ -474,11 +474,11 @@ class SweepReader {
     const auto* list = node.as<List>();
     const bool nested = list != nullptr && !list->empty() && list->front().as<List>() != nullptr;
     if (!nested) {
-      settings_.zips.push_back({words(node, "sweep.zip"), source_.place(node.where)});
+      settings_.zips.push_back({words(node, "sweep.zip"), source_.location(node.where)});
       return;
     }
     for (const Node& one : *list) {
-      settings_.zips.push_back({words(one, "sweep.zip"), source_.place(one.where)});
+      settings_.zips.push_back({words(one, "sweep.zip"), source_.location(one.where)});
     }
   }
 
@@ -524,7 +524,7 @@ void check_sweep(const Table& document, const Source& source, FaultList& faults)
       of_name.throw_if_any();
     } catch (const InputError& error) {
       for (Fault fault : error.faults()) {
-        fault.place = axis.place;
+        fault.location = axis.location;
         fault.value = axis.shown;
         found.push_back(std::move(fault));
       }

@@ -66,20 +66,20 @@ std::optional<double> finite_constant(std::string_view text);
 struct SweepAxis {
   std::string name;  ///< as in `--set`: a parameter or a dotted path
   SweepValues values;
-  Place place;        ///< of what was written, for messages,
-  std::string shown;  ///< and the values as they were written there
+  SourceLocation location;  ///< of what was written, for messages,
+  std::string shown;        ///< and the values as they were written there
 };
 
 /// Names that take their values together.
 struct SweepZip {
   std::vector<std::string> names;
-  Place place;
+  SourceLocation location;
 };
 
 /// A text of a table or an option.
 struct SweepText {
   std::string text;
-  Place place;
+  SourceLocation location;
   std::string key;  ///< for messages
 };
 
@@ -99,13 +99,13 @@ struct SweepSettings {
   /// So many runs of each point, with noise of its own each: see add_repeats().
   std::optional<SweepText> repeats;
   std::vector<std::string> observables;
-  Place observables_place;
+  SourceLocation observables_location;
 };
 
-/// The axis `name` with these values, "a, b, c" or "from:to:count[:log]", as written at a place;
+/// The axis `name` with these values, "a, b, c" or "from:to:count[:log]", as written at a position;
 /// among `unread`, with a fault, where they are neither.
 void add_axis(SweepSettings& settings, const std::string& name, const std::string& values,
-              const Place& place, std::vector<Fault>& faults);
+              const SourceLocation& location, std::vector<Fault>& faults);
 
 /// Makes of `repeats` the first axis, run.stream = 0, 1, ...; adds a fault where it is no such
 /// number.

@@ -33,14 +33,14 @@ std::string_view line_around(std::string_view text, std::size_t at) {
   return text.substr(begin, text.find('\n', begin) - begin);
 }
 
-std::size_t offset_of(std::string_view text, const TextPlace& place) {
+std::size_t offset_of(std::string_view text, const TextPosition& location) {
   std::size_t at = 0;
-  for (std::uint32_t line = 1; line < place.line; ++line) {
+  for (std::uint32_t line = 1; line < location.line; ++line) {
     const std::size_t end = text.find('\n', at);
     if (end == std::string_view::npos) return text.size();
     at = end + 1;
   }
-  for (std::uint32_t column = 1; column < place.column && at < text.size(); ++column) {
+  for (std::uint32_t column = 1; column < location.column && at < text.size(); ++column) {
     do {
       ++at;
     } while (at < text.size() && is_utf8_continuation(text[at]));
@@ -213,11 +213,11 @@ void add_hint(Fault& fault, std::string_view text, std::size_t at) {
 
 }  // namespace
 
-Fault explain_syntax(std::string_view text, const std::string& file, const TextPlace& at,
+Fault explain_syntax(std::string_view text, const std::string& file, const TextPosition& at,
                      std::string_view message) {
   const std::size_t stopped = offset_of(text, at);
   Fault fault(FaultCode::scene_syntax);
-  fault.place = {file, static_cast<int>(at.line), static_cast<int>(at.column)};
+  fault.location = {file, static_cast<int>(at.line), static_cast<int>(at.column)};
   fault.why = "no valid TOML: " + shortened(message, kLongestShownMessage);
   std::string_view line = line_around(text, stopped);
   if (line.ends_with('\r')) line.remove_suffix(1);

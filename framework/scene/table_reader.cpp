@@ -66,7 +66,7 @@ TableReading read_table(const Table& table, const Extent& where, const TableLayo
   reading.units = values.units();
 
   for (const Entry& entry : table.entries) {
-    reading.places[entry.key] = source.place(entry.value.where);
+    reading.locations[entry.key] = source.location(entry.value.where);
     const bool known = layout.row(entry.key) != nullptr || layout.is_own_key(entry.key);
     if (!known) report_key(entry, reading.path, layout, faults);
   }
@@ -82,7 +82,7 @@ TableReading read_table(const Table& table, const Extent& where, const TableLayo
       }
       value = values.read(row, *node, key);
       if (!value) {
-        reading.sound = false;
+        reading.valid = false;
         continue;
       }
       reading.effective.set(row.key, *node);
@@ -91,14 +91,14 @@ TableReading read_table(const Table& table, const Extent& where, const TableLayo
       if (auto written = to_node(*value)) reading.effective.set(row.key, *std::move(written));
     } else if (row.required()) {
       faults.of_key(where, {FaultCode::scene_missing_key, key, "missing", admissible_values(row)});
-      reading.sound = false;
+      reading.valid = false;
       continue;
     } else {
       continue;
     }
     value = for_description(row, *std::move(value), reading, faults);
     if (!value) {
-      reading.sound = false;
+      reading.valid = false;
       continue;
     }
     row.assign(description, *value);
@@ -120,7 +120,7 @@ void read_deferred(TableReading& reading, const std::vector<Parameter>& rows, vo
     }
     if (value) value = for_description(row, *std::move(value), reading, faults);
     if (!value) {
-      reading.sound = false;
+      reading.valid = false;
       continue;
     }
     if (can_vary(row)) {

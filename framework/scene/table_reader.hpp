@@ -24,9 +24,9 @@ struct TableReading {
   UnitSystem units = UnitSystem::reduced;  ///< of its numbers
   /// Values of the valid keys, defaults included; in the engine's units, as the description.
   std::map<std::string, ParameterValue> values;
-  std::map<std::string, Place> places;  ///< of the keys that were given
+  std::map<std::string, SourceLocation> locations;  ///< of the keys that were given
   Table effective;    ///< what was given with every default filled in, in declared order
-  bool sound = true;  ///< no fault among its rows
+  bool valid = true;  ///< no fault among its rows
   /// Values of rows that differ between particles: one for each. `values` has what stands for
   /// all.
   std::map<std::string, Variation> variations;

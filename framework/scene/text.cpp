@@ -16,14 +16,14 @@ bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20U || c == 0
 }  // namespace
 
 std::string shortened(std::string_view text, std::size_t most_bytes) {
-  const bool sound = is_utf8(text);
+  const bool valid = is_utf8(text);
   std::string line;
   bool after_break = false;  // then one space stands for the break and the spaces around it
   for (const char c : text) {
     if (line.size() > most_bytes) break;
     after_break = is_control(c) || (after_break && c == ' ');
     if (!after_break) {
-      line += sound || is_ascii(c) ? c : '?';
+      line += valid || is_ascii(c) ? c : '?';
     } else if (line.empty() || line.back() != ' ') {
       line += ' ';
     }

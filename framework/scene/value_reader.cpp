@@ -105,7 +105,7 @@ std::string admissible_values(const Parameter& row) {
       row.prototype);
 }
 
-std::vector<std::string> words_due(const Parameter& row) {
+std::vector<std::string> expected_words(const Parameter& row) {
   if (std::holds_alternative<PairSelection>(row.prototype))
     return allowed_words<PairSelection::Kind>(row);
   if (std::holds_alternative<Attachment>(row.prototype))
@@ -265,7 +265,7 @@ std::optional<PairSelection> ValueReader::pair_selection(const Subject& subject,
                                                          const Node& node) const {
   PairSelection result;
   if (const auto* word = node.as<std::string>()) {
-    if (!is_word(subject, node, *word, words_due(subject.row))) return std::nullopt;
+    if (!is_word(subject, node, *word, expected_words(subject.row))) return std::nullopt;
     result.kind = value_named<PairSelection::Kind>(*word).value();
     return result;
   }
@@ -325,13 +325,13 @@ std::optional<FormulaList> ValueReader::formula_list(const Subject& subject,
     return wrong(FaultCode::scene_wrong_count, subject, node, "space has at most three dimensions");
   }
   FormulaList result;
-  bool sound = true;
+  bool valid = true;
   for (const Node& element : *list) {
     auto component = formula(subject, element);
-    sound = sound && component;
+    valid = valid && component;
     if (component) result.components.push_back(*std::move(component));
   }
-  if (!sound) return std::nullopt;
+  if (!valid) return std::nullopt;
   return result;
 }
 
@@ -417,7 +417,7 @@ std::optional<WordOrNumbers> ValueReader::word_or_numbers(const Subject& subject
 std::optional<Attachment> ValueReader::attachment(const Subject& subject, const Node& node) const {
   Attachment result;
   if (const auto* word = node.as<std::string>()) {
-    if (!is_word(subject, node, *word, words_due(subject.row))) {
+    if (!is_word(subject, node, *word, expected_words(subject.row))) {
       return std::nullopt;
     }
     result.kind = value_named<Attachment::Kind>(*word).value();

@@ -18,7 +18,7 @@ namespace tomlin {
 std::string admissible_values(const Parameter& row);
 
 /// The words that a row admits, alone or beside other kinds of values; none for a free text.
-std::vector<std::string> words_due(const Parameter& row);
+std::vector<std::string> expected_words(const Parameter& row);
 
 /// Turns what stands in a scene into the value of a parameter row.
 class ValueReader {

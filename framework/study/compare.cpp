@@ -74,9 +74,10 @@ std::string listed(const std::vector<double>& numbers) {
 }
 
 [[noreturn]] void refuse(const Scene& scene, const Scene& first, const std::string& what,
-                         const std::vector<double>& found, const std::vector<double>& due) {
-  throw InputError({Fault(FaultCode::compare_different_setups, scene.run.place, what, listed(found),
-                          fmt::format("not comparable with {}", first.file), listed(due))});
+                         const std::vector<double>& found, const std::vector<double>& expected) {
+  throw InputError(
+      {Fault(FaultCode::compare_different_setups, scene.run.location, what, listed(found),
+             fmt::format("not comparable with {}", first.file), listed(expected))});
 }
 
 /// Throws unless all are driven alike over like substrates; notes what else differs.
@@ -86,7 +87,7 @@ void check_setups(const std::vector<std::shared_ptr<const Scene>>& scenes,
     const Scene& first = *scenes.front();
     if (scenes[k]->units != first.units) {
       throw InputError(
-          {Fault(FaultCode::compare_different_setups, scenes[k]->run.place, "scene.units",
+          {Fault(FaultCode::compare_different_setups, scenes[k]->run.location, "scene.units",
                  to_string(scenes[k]->units), fmt::format("not comparable with {}", first.file),
                  to_string(first.units))});
     }

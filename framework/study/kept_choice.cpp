@@ -53,14 +53,14 @@ class Reader {
     rest_ = rest_.subspan(words.size() + 1);
   }
   /// Everything was there, and nothing else.
-  bool whole() const { return sound_ && rest_.empty(); }
-  bool more() const { return sound_ && !rest_.empty(); }
+  bool whole() const { return valid_ && rest_.empty(); }
+  bool more() const { return valid_ && !rest_.empty(); }
 
  private:
-  void fail() { sound_ = false; }
+  void fail() { valid_ = false; }
 
   std::span<const std::byte> rest_;
-  bool sound_ = true;
+  bool valid_ = true;
 };
 
 /// The scene as it was asked for, with nothing but the integrator replaced.

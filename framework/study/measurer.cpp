@@ -73,8 +73,8 @@ Measurement Measurer::with(const std::vector<Setting>& settings, double most_sec
 }
 
 const Measurement& Measurer::at(const Method& method, double resolution, double most_seconds) {
-  const auto [place, is_new] = known_.try_emplace({method.name, resolution});
-  Remembered& remembered = place->second;
+  const auto [entry, is_new] = known_.try_emplace({method.name, resolution});
+  Remembered& remembered = entry->second;
   const double limit = std::min(most_seconds, left());
   const bool may_get_further =
       remembered.measurement.end == TrialRun::End::over_budget && limit > 2.0 * remembered.limit;

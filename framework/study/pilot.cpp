@@ -209,10 +209,10 @@ class Pilot {
     }
     if (!methods_.empty()) length_ = methods_.front().absolute_share;
     if (methods_.empty()) {
-      // Mostly the scene's own fault, which is reported once, at its own place.
+      // Mostly the scene's own fault, which is reported once, where it occurs.
       (void)Engine(scene_, options_to_bind());
       throw InputError(
-          {Fault(FaultCode::integrator_unsuitable, scene_->run.place, "run.accuracy", "",
+          {Fault(FaultCode::integrator_unsuitable, scene_->run.location, "run.accuracy", "",
                  "no integrator can treat this scene: " + refusals_, "an integrator")});
     }
   }

@@ -228,7 +228,7 @@ class ReferenceSearch {
       if (!can_be_finer(*second, resolution)) break;
       resolution = finer(*second, resolution);
     }
-    // Two schemes that have stopped moving at different places: neither is known any better.
+    // Two schemes that have stopped moving at different positions: neither is known any better.
     if (found_.second_settled) {
       found_.error = std::max(found_.error, *found_.second_differs);
       found_.settled = found_.settled && found_.error <= goal();

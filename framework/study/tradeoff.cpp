@@ -191,7 +191,7 @@ Tradeoff measure_tradeoff(const std::shared_ptr<const Scene>& scene, const Regis
                           const TradeoffRequest& request) {
   if (has_thermostat(*scene)) {
     throw InputError(
-        {Fault(FaultCode::component_unsuitable, scene->run.place, "tradeoff", "",
+        {Fault(FaultCode::component_unsuitable, scene->run.location, "tradeoff", "",
                "the scene has a thermostat: a result of one setting differs from that of another "
                "by chance",
                "tomlin sweep --over run.integrator.dt=... --repeats N")});

@@ -13,7 +13,7 @@ namespace tomlin::test {
 enum class Outcome {
   finished,  ///< the values are right
   refused,   ///< before anything is made: the input is at fault
-  failed,    ///< results say `failed`, with place and cause
+  failed,    ///< results say `failed`, with position and cause
 };
 
 /// "finished", "refused", "failed".

@@ -5,9 +5,9 @@ namespace {
 
 /// Everything is the same after whole periods, to the last bit.
 ExtremeCase same_as_near(const std::string& name, const std::string& extreme,
-                         const std::string& place, const std::string& near, const Setting& scheme,
-                         std::vector<FaultCode> warnings = {}) {
-  return finishes(kTip, name, extreme, {{"x0", place}, scheme},
+                         const std::string& position, const std::string& near,
+                         const Setting& scheme, std::vector<FaultCode> warnings = {}) {
+  return finishes(kTip, name, extreme, {{"x0", position}, scheme},
                   {is_that_of("drivers.driver.mean_force.x", kTip, {{"x0", near}, scheme}, 0.0,
                               "the same run near zero")},
                   std::move(warnings));

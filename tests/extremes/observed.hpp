@@ -14,7 +14,7 @@ struct Observed {
   std::string message;  ///< of a refusal or a failure
   std::vector<Warning> warnings;
   std::vector<double> values;    ///< of each value that the case names; NaN where undefined
-  std::string not_finite;        ///< the first place in a file with something that is no number
+  std::string not_finite;        ///< the first position in a file with something that is no number
   bool effective_reads = false;  ///< scene.toml is a scene
   bool hung = false;             ///< had to be stopped
 };

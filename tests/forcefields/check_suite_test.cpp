@@ -113,7 +113,7 @@ bool may_be_unseen(const std::string& property) {
   return all.count(property) == 1;
 }
 
-void expect_sound(const std::string& text, const std::string& name, std::uint64_t seed = 1) {
+void expect_valid(const std::string& text, const std::string& name, std::uint64_t seed = 1) {
   const auto scene = scene_of(text);
   const auto results = check_properties(*scene, {.seed = seed});
   if (!scene->forces.empty()) {
@@ -132,11 +132,11 @@ void expect_sound(const std::string& text, const std::string& name, std::uint64_
 TEST(CheckSuite, AccusesNoComponentsExample) {
   for (const std::uint64_t seed : kSeeds) {
     for (const auto& record : standard().forces())
-      expect_sound(record->example, record->name, seed);
+      expect_valid(record->example, record->name, seed);
     for (const auto& record : standard().bodies())
-      expect_sound(record->example, record->name, seed);
+      expect_valid(record->example, record->name, seed);
     for (const auto& record : standard().integrators()) {
-      expect_sound(record->example, record->name, seed);
+      expect_valid(record->example, record->name, seed);
     }
   }
 }
@@ -144,10 +144,10 @@ TEST(CheckSuite, AccusesNoComponentsExample) {
 TEST(CheckSuite, AccusesNoneOfTheScenesBelow) {
   for (const std::uint64_t seed : kSeeds) {
     for (const std::string& text : {kBonds, kSubstrate, kRigid, kDriven, kSplit, kMemory}) {
-      expect_sound(text, "scene", seed);
+      expect_valid(text, "scene", seed);
     }
-    expect_sound(RingScene{}.text(), "ring", seed);
-    expect_sound(RingScene{.coordinates = "rigid"}.text(), "rigid ring", seed);
+    expect_valid(RingScene{}.text(), "ring", seed);
+    expect_valid(RingScene{.coordinates = "rigid"}.text(), "rigid ring", seed);
   }
 }
 
@@ -219,13 +219,13 @@ std::string point_under(const std::string& energy, const std::string& position,
          "\nintegrator = { type = \"rk4\", dt = " + digits(1e-3 * duration) + " }\n";
 }
 
-/// Far away a billionth of the place is many waves of them.
+/// Far away a billionth of the position is many waves of them.
 TEST(CheckSuite, AccusesNoPhaseThatGrowsFasterThanThePlace) {
   for (const std::uint64_t seed : kSeeds) {
     for (const char* energy : {"cos(x*y)", "cos(x^2+y^2)", "cos(x^2) + y", "sin(x^3)"}) {
-      expect_sound(point_under(energy, "0.3, 0.4"), energy, seed);
+      expect_valid(point_under(energy, "0.3, 0.4"), energy, seed);
     }
-    expect_sound(point_under("cos(x^2)", "0.3"), "cos(x^2)", seed);
+    expect_valid(point_under("cos(x^2)", "0.3"), "cos(x^2)", seed);
   }
 }
 
@@ -234,7 +234,7 @@ TEST(CheckSuite, AccusesNoShortWave) {
   for (const std::uint64_t seed : kSeeds) {
     for (const double length : {1e-4, 2.5e-4, 7.3e-4, 1e-3, 2e-3, 5.5e-3, 1e-2, 1.9e-2}) {
       const std::string parameters = "[parameters]\nL = " + digits(length) + "\n";
-      expect_sound(point_under("L*sin(2*pi*x/L)", "1.0", parameters), parameters, seed);
+      expect_valid(point_under("L*sin(2*pi*x/L)", "1.0", parameters), parameters, seed);
     }
   }
 }
@@ -246,10 +246,10 @@ TEST(CheckSuite, AccusesNoFormulaInSIUnits) {
     for (const char* energy : {"V0*cos(2*pi*x/a)", "V0*exp(-(x/a)^2)", "V0*(x/a)^4",
                                "V0/(1 + (x/a)^2) + 0.3*V0*(x/a)^3", "V0*sqrt(1 + (x/a)^2)"}) {
       for (const char* position : {"0.3e-10", "-18e-10", "0.0"}) {
-        expect_sound(point_under(energy, position, parameters, 1e-26, 1e-11), energy, seed);
+        expect_valid(point_under(energy, position, parameters, 1e-26, 1e-11), energy, seed);
       }
     }
-    expect_sound(point_under("V0*cos(2*pi*x/a)", "0.3e-10", parameters, 1e-26, 1e-11) +
+    expect_valid(point_under("V0*cos(2*pi*x/a)", "0.3e-10", parameters, 1e-26, 1e-11) +
                      "[[force]]\ntype = \"driving_spring\"\nstiffness = 2.0\nvelocity = [1e-6]\n"
                      "[[force]]\ntype = \"viscous_damping\"\ncoefficient = 1e-14\n",
                  "driven", seed);
@@ -260,13 +260,13 @@ TEST(CheckSuite, AccusesNoFormulaInSIUnits) {
 TEST(CheckSuite, AccusesNoFormulaOfItsRounding) {
   for (const std::uint64_t seed : kSeeds) {
     for (const char* energy : {"x/sqrt(1 + x^2)", "1 - 2/(exp(2*x) + 1)", "exp(-x^2)*exp(-x)"}) {
-      expect_sound(point_under(energy, "0.3"), energy, seed);
+      expect_valid(point_under(energy, "0.3"), energy, seed);
     }
   }
 }
 
-/// A wave so short that rounding hides it: it cannot be judged but at a place or two by chance, and
-/// the table has to say so.
+/// A wave so short that rounding hides it: it cannot be judged but at a position or two by chance,
+/// and the table has to say so.
 TEST(CheckSuite, CountsOnlyStatesThatWereCompared) {
   const auto scene = scene_of(point_under("L*sin(2*pi*x/L)", "1.0", "[parameters]\nL = 2.7e-15\n"));
   bool seen = false;
@@ -295,7 +295,7 @@ TEST(CheckSuite, AccusesNoSplineOfItsKnots) {
         "\n[[force]]\ntype = \"lattice_substrate\"\nlattice = \"honeycomb\"\nperiod = 1.0\n"
         "energies = [[0.1, 0, 0, 0], [0, 0, 0, 0], [0, 0, 0, 0], [0, 0, 0, 0]]\n"
         "[run]\nduration = 300.0\nintegrator = { type = \"rk4\", dt = 0.01 }\n";
-    expect_sound(scene, misfit, seed);
+    expect_valid(scene, misfit, seed);
     for (const PropertyResult& result : check_properties(*scene_of(scene), {.seed = seed})) {
       if (result.property != "hessian") continue;
       EXPECT_LT(result.allowed, kSharp) << misfit << ", seed " << seed;
@@ -328,7 +328,7 @@ TEST(CheckSuite, AccusesNoTorqueThatCancels) {
   for (const std::uint64_t seed : kSeeds) {
     for (const int particles : {3, 5, 6, 7, 12}) {
       for (const std::string& force : forces) {
-        expect_sound("[[body]]\ntype = \"ring\"\ncount = " + std::to_string(particles) +
+        expect_valid("[[body]]\ntype = \"ring\"\ncount = " + std::to_string(particles) +
                          "\nradius = 1.0\ncentre = [0.2, 0.4]\nparticle_mass = 0.2\n"
                          "coordinates = \"rigid\"\n[[force]]\n" +
                          force +
@@ -346,12 +346,12 @@ TEST(CheckSuite, AccusesNoFastLawOfTime) {
     for (const double frequency : {1.0, 10.0, 100.0, 1e4, 1e6}) {
       const std::string parameters = "[parameters]\nw = " + digits(frequency) + "\n";
       for (const char* position : {"0.0", "0.25", "0.5"}) {
-        expect_sound(point_under("cos(2*pi*x - w*t)", position, parameters), parameters, seed);
-        expect_sound(point_under("0.1*x*sin(w*t)", position, parameters), parameters, seed);
+        expect_valid(point_under("cos(2*pi*x - w*t)", position, parameters), parameters, seed);
+        expect_valid(point_under("0.1*x*sin(w*t)", position, parameters), parameters, seed);
       }
     }
     const std::string parameters = "[parameters]\na = 2.5e-10\nV0 = 1e-19\nT = 1e-12\n";
-    expect_sound(point_under("V0*cos(2*pi*x/a - 2*pi*t/T)", "0.3e-10", parameters, 1e-26, 1e-11),
+    expect_valid(point_under("V0*cos(2*pi*x/a - 2*pi*t/T)", "0.3e-10", parameters, 1e-26, 1e-11),
                  "in SI units", seed);
   }
 }
@@ -364,7 +364,7 @@ TEST(CheckSuite, AccusesNoNarrowFeature) {
       for (const char* energy : {"sqrt((x-0.1)^2+e^2)", "1/((x-0.1)^2+e^2)", "exp(-(x-0.1)^2/e^2)",
                                  "(x-0.1)*atan((x-0.1)/e)"}) {
         for (const char* position : {"0.1", "0.1004", "0.25"}) {
-          expect_sound(point_under(energy, position, parameters), energy + parameters, seed);
+          expect_valid(point_under(energy, position, parameters), energy + parameters, seed);
         }
       }
     }
@@ -397,7 +397,7 @@ TEST(CheckSuite, AccusesNoPeriodicFormulaOfItsStableStep) {
     std::string scene = point_under(energy, "0.25");
     scene.insert(scene.find("energy"), "period = 1.0\n");
     for (const std::uint64_t seed : kSeeds) {
-      expect_sound(scene, energy, seed);
+      expect_valid(scene, energy, seed);
       const auto results = check_properties(*scene_of(scene), {.seed = seed});
       EXPECT_TRUE(std::any_of(results.begin(), results.end(), [](const PropertyResult& result) {
         return result.property == "stiffness";
@@ -419,7 +419,7 @@ struct Fault {
 };
 
 std::vector<Fault> faults() {
-  const ForceFactories sound;
+  const ForceFactories valid;
   const ForceFactories substrate = standard().force(kSite)->bind;
   const auto in_quadruple = [&](ForceFactory<double> wrong) {
     return ForceFactories(wrong, substrate.in_quadruple);
@@ -440,7 +440,7 @@ std::vector<Fault> faults() {
       {"energy without force", kSite, planted<WithoutForce>, "conservative", kSubstrate},
       {"energy that drifts with time", kSite, wrapped<EnergyThatDrifts, SinusoidalSubstrate>,
        "time", kSubstrate},
-      {"wrong period", kSite, sound, "periodic", kSubstrate,
+      {"wrong period", kSite, valid, "periodic", kSubstrate,
        [](ForceRecord& r) {
          r.period = [](const void* d, int axis) {
            return axis == 0 ? 1.5 * static_cast<const SinusoidalSubstrateDescription*>(d)->period
@@ -482,7 +482,7 @@ std::vector<Fault> faults() {
        kSubstrate},
       {"wrong in doubles only", kSite, in_quadruple(planted<EnergyTwice>), "conservative",
        kSubstrate},
-      {"not internal", kSite, sound, "internal", kSubstrate,
+      {"not internal", kSite, valid, "internal", kSubstrate,
        [](ForceRecord& r) { r.traits.internal = true; }},
 
       {"a force on one of two", kBond, bonds_by<Unrequited>(), "internal", kBonds},
@@ -504,7 +504,7 @@ std::vector<Fault> faults() {
       {"half the friction", kDrag, planted<TwiceTheFriction>, "friction", kDriven},
       {"no heat", kDrag, wrapped<WithoutHeat, ViscousDamping>, "balance", kDriven},
       {"half the heat", kDrag, wrapped<HalfTheHeat, ViscousDamping>, "balance", kDriven},
-      {"dissipation declared of a substrate", kSite, sound, "dissipative", kSubstrate,
+      {"dissipation declared of a substrate", kSite, valid, "dissipative", kSubstrate,
        [](ForceRecord& r) { r.traits.dissipative = true; }},
 
       {"a driver's power of the wrong sign", "driving_spring",
@@ -513,7 +513,7 @@ std::vector<Fault> faults() {
        "conservative", kDriven},
       {"a support that waits for the next step", "driving_spring",
        wrapped<PlainDriver, ElapsedForgotten>, "time", kDriven},
-      {"time not told of", "driving_spring", sound, "time", kDriven,
+      {"time not told of", "driving_spring", valid, "time", kDriven,
        [](ForceRecord& r) { r.traits.depends_on_time = false; }},
 
       {"a memory that stores twice", "memory_damping", planted_memory<MemoryStoresTwice>, "balance",
@@ -645,7 +645,7 @@ integrator = { type = "rk4", dt = 1e-15 }
 }
 
 TEST(CheckSuite, CatchesEveryPlantedFaultInSIUnits) {
-  // Faults at places and speeds, in numbers, that nothing there comes near.
+  // Faults at positions and speeds, in numbers, that nothing there comes near.
   const std::set<std::string> not_there = {"damping wrong above some speed", "drag not told of",
                                            "no number far away",
                                            "no number far away, without a second opinion"};
@@ -666,7 +666,7 @@ TEST(CheckSuite, CatchesEveryPlantedFaultInSIUnits) {
 TEST(CheckSuite, AccusesNoneOfThoseScenesInSIUnits) {
   for (const std::uint64_t seed : kSeeds) {
     for (const std::string& text : {kBonds, kSubstrate, kRigid, kDriven, kSplit, kMemory}) {
-      expect_sound(in_si_units(text), "in SI units", seed);
+      expect_valid(in_si_units(text), "in SI units", seed);
     }
   }
 }
@@ -678,7 +678,7 @@ TEST(CheckSuite, CatchesTheLastBitOfAnInstructionSet) {
             std::set<std::string>{"sinusoidal_substrate: same bits"});
 }
 
-/// The place is that of the fault, and the numbers are those that differ.
+/// The position is that of the fault, and the numbers are those that differ.
 TEST(CheckSuite, SaysWhereAPropertyBroke) {
   const SpoiltRegistry registry(kSite, ForceFactories(planted<ScaledSubstrate<2, 1>>,
                                                       standard().force(kSite)->bind.in_quadruple));
@@ -692,8 +692,8 @@ TEST(CheckSuite, SaysWhereAPropertyBroke) {
     EXPECT_GE(result.worst.particle, 0);
     EXPECT_LT(result.worst.particle, 3);
     EXPECT_EQ(result.worst.coordinate, "y");
-    EXPECT_EQ(result.worst.place.size(), 2u);
-    EXPECT_NEAR(result.worst.found, 0.5 * result.worst.due, 1e-12);
+    EXPECT_EQ(result.worst.position.size(), 2u);
+    EXPECT_NEAR(result.worst.found, 0.5 * result.worst.expected, 1e-12);
   }
   EXPECT_TRUE(seen);
 }

@@ -25,9 +25,9 @@ constexpr unsigned kSeedsOfClusters[] = {3, 58, 1917};
 /// Some hundred roundings of energies and forces of order 1 to 100.
 constexpr double kHundredsOfRoundings = 1e-12;
 
-std::string list_of(const std::vector<std::array<double, 3>>& places) {
+std::string list_of(const std::vector<std::array<double, 3>>& positions) {
   std::string list = "[";
-  for (const auto& x : places) {
+  for (const auto& x : positions) {
     list += "[" + digits(x[0]) + ", " + digits(x[1]) + ", " + digits(x[2]) + "], ";
   }
   return list + "]";
@@ -38,22 +38,22 @@ std::vector<std::array<double, 3>> cluster(int side, double spacing, double diso
                                            unsigned seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> uniform(-disorder, disorder);
-  std::vector<std::array<double, 3>> places;
+  std::vector<std::array<double, 3>> positions;
   for (int i = 0; i < side; ++i) {
     for (int j = 0; j < side; ++j) {
       for (int k = 0; k < side; ++k) {
-        places.push_back({spacing * i + uniform(random), spacing * j + uniform(random),
-                          spacing * k + uniform(random)});
+        positions.push_back({spacing * i + uniform(random), spacing * j + uniform(random),
+                             spacing * k + uniform(random)});
       }
     }
   }
-  return places;
+  return positions;
 }
 
-std::string body(const std::string& name, const std::vector<std::array<double, 3>>& places,
+std::string body(const std::string& name, const std::vector<std::array<double, 3>>& positions,
                  const std::string& more = "") {
   return "[[body]]\nname = \"" + name + "\"\ntype = \"particles\"\nparticle_mass = 1.0\n" + more +
-         "positions = " + list_of(places) + "\n";
+         "positions = " + list_of(positions) + "\n";
 }
 
 const std::string kRunOfClusters = "[run]\nduration = 1.0\nintegrator = " + verlet(0.01) + "\n";
@@ -104,15 +104,16 @@ std::string unlike_carbide() {
   return text;
 }
 
-/// Silicon and carbon at these places.
-std::string carbide(const std::vector<std::array<double, 3>>& places,
+/// Silicon and carbon at these positions.
+std::string carbide(const std::vector<std::array<double, 3>>& positions,
                     const std::string& entries = kCarbide) {
   std::string species = "species = [";
-  for (std::size_t i = 0; i < places.size(); ++i) {
+  for (std::size_t i = 0; i < positions.size(); ++i) {
     species += is_silicon(i) != 0 ? "\"Si(D)\", " : "\"C\", ";
   }
-  return body("a", places, species + "]\n") + "[[force]]\ntype = \"tersoff\"\nentries = \"\"\"\n" +
-         entries + "\"\"\"\n" + kRunOfClusters;
+  return body("a", positions, species + "]\n") +
+         "[[force]]\ntype = \"tersoff\"\nentries = \"\"\"\n" + entries + "\"\"\"\n" +
+         kRunOfClusters;
 }
 
 std::vector<double> forces_of(SingleForce& force) {
@@ -126,8 +127,8 @@ bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
 }
 
-/// One particle is at no finite place, as in a trial step that is refused, when another has gone so
-/// far that lists are made; then it is back.
+/// One particle is at no finite position, as in a trial step that is refused, when another has gone
+/// so far that lists are made; then it is back.
 void evaluate_astray(SingleForce& force, double astray, double way) {
   double& lost = force.position(force.variables().front());
   const double from = lost;
@@ -139,7 +140,7 @@ void evaluate_astray(SingleForce& force, double astray, double way) {
 }
 
 /// Forces along a random walk with short and long steps, by lists that are kept and by lists that
-/// are made at each place.
+/// are made at each position.
 void expect_bits_of_new_lists(const std::string& text, double step, unsigned seed) {
   const auto scene = scene_of(text);
   SingleForce kept(*scene, 0);
@@ -166,20 +167,20 @@ void expect_bits_of_new_lists(const std::string& text, double step, unsigned see
 TEST(CutoffForces, HaveTheBitsOfNewListsWhereverTheyHaveBeen) {
   const std::string box = "[box]\nlengths = [5.0, 4.6, 6.0]\nperiodic = [true, true, false]\n";
   for (const unsigned seed : kSeedsOfClusters) {
-    const auto places = cluster(4, 1.05, 0.1, seed);
+    const auto positions = cluster(4, 1.05, 0.1, seed);
     for (const char* at_cutoff : {"cut", "shift", "smooth"}) {
-      expect_bits_of_new_lists(body("a", places) + lennard_jones("", at_cutoff) + kRunOfClusters,
+      expect_bits_of_new_lists(body("a", positions) + lennard_jones("", at_cutoff) + kRunOfClusters,
                                0.02, seed);
     }
-    expect_bits_of_new_lists(box + body("a", places) + lennard_jones("") + kRunOfClusters, 0.02,
+    expect_bits_of_new_lists(box + body("a", positions) + lennard_jones("") + kRunOfClusters, 0.02,
                              seed);
     auto others = cluster(3, 1.3, 0.2, seed + 1);
     for (auto& x : others) x[2] -= 3.5;
     for (const char* more : {"", "coordinates = \"fixed\"\n"}) {
-      expect_bits_of_new_lists(box + body("a", places) + body("b", others, more) +
+      expect_bits_of_new_lists(box + body("a", positions) + body("b", others, more) +
                                    lennard_jones("bodies = [\"a\", \"b\"]") + kRunOfClusters,
                                0.02, seed);
-      expect_bits_of_new_lists(box + body("a", others, more) + body("b", places) +
+      expect_bits_of_new_lists(box + body("a", others, more) + body("b", positions) +
                                    lennard_jones("bodies = [\"a\", \"b\"]") + kRunOfClusters,
                                0.02, seed);
     }
@@ -202,15 +203,15 @@ TEST(CutoffForces, HaveTheBitsOfNewListsWhereverTheyHaveBeen) {
 
 /// The sum over all others, particle j in partial sum j modulo 8.
 template <class E>
-std::array<double, 3> sum_over_all(const std::vector<std::array<double, 3>>& places, std::size_t i,
-                                   const LennardJonesDescription& d, double box) {
+std::array<double, 3> sum_over_all(const std::vector<std::array<double, 3>>& positions,
+                                   std::size_t i, const LennardJonesDescription& d, double box) {
   const auto p = E::template parameters<double, 3>(d);
   InterleavedSum<double> sums[3];
-  for (std::size_t j = 0; j < places.size(); ++j) {
+  for (std::size_t j = 0; j < positions.size(); ++j) {
     if (j == i) continue;
     Pair<double, 3> pair{};
     for (int a = 0; a < 3; ++a) {
-      const double apart = places[j][a] - places[i][a];
+      const double apart = positions[j][a] - positions[i][a];
       pair.separation[a] = box > 0.0 ? apart - box * std::floor(apart / box + 0.5) : apart;
     }
     if (!(norm_squared(pair.separation) < d.cutoff * d.cutoff)) continue;
@@ -224,15 +225,16 @@ TEST(CutoffForces, HaveTheBitsOfAllPairs) {
   for (const unsigned seed : kSeedsOfClusters) {
     for (const double box : {0.0, 4.5}) {
       for (const AtCutoff at_cutoff : {AtCutoff::cut, AtCutoff::smooth}) {
-        auto places = cluster(4, 1.1, 0.15, seed);
+        auto positions = cluster(4, 1.1, 0.15, seed);
         const std::string in_box =
             box > 0.0 ? "[box]\nlengths = [4.5, 4.5, 4.5]\nperiodic = [true, true, true]\n" : "";
-        const auto scene = scene_of(in_box + body("a", places) +
+        const auto scene = scene_of(in_box + body("a", positions) +
                                     lennard_jones("", to_string(at_cutoff)) + kRunOfClusters);
         SingleForce force(*scene, 0);
         const std::vector<double> found = forces_of(force);
         for (std::size_t k = 0; k < force.variables().size(); ++k) {
-          places[k % places.size()][k / places.size()] = force.position(force.variables()[k]);
+          positions[k % positions.size()][k / positions.size()] =
+              force.position(force.variables()[k]);
         }
         LennardJonesDescription d;
         d.epsilon = 0.7;
@@ -240,11 +242,11 @@ TEST(CutoffForces, HaveTheBitsOfAllPairs) {
         d.cutoff = 1.9;
         d.at_cutoff = at_cutoff;
         std::vector<double> expected(found.size());
-        for (std::size_t i = 0; i < places.size(); ++i) {
+        for (std::size_t i = 0; i < positions.size(); ++i) {
           const auto sum = at_cutoff == AtCutoff::smooth
-                               ? sum_over_all<LennardJonesSmooth>(places, i, d, box)
-                               : sum_over_all<LennardJones>(places, i, d, box);
-          for (std::size_t a = 0; a < 3; ++a) expected[a * places.size() + i] = sum[a];
+                               ? sum_over_all<LennardJonesSmooth>(positions, i, d, box)
+                               : sum_over_all<LennardJones>(positions, i, d, box);
+          for (std::size_t a = 0; a < 3; ++a) expected[a * positions.size() + i] = sum[a];
         }
         EXPECT_TRUE(same_bits(found, expected)) << "seed " << seed << ", box " << box;
       }
@@ -278,10 +280,10 @@ TEST(LennardJones, HasItsWellAndEndsAsItIsTold) {
 /// The formula as its paper has it, with the functions of the standard library. `of(i, j, k)` are
 /// the numbers of particles i and j in the presence of k.
 template <class Numbers>
-double tersoff_energy(const std::vector<std::array<double, 3>>& places, const Numbers& of) {
+double tersoff_energy(const std::vector<std::array<double, 3>>& positions, const Numbers& of) {
   const auto distance_of = [&](std::size_t i, std::size_t j) {
-    return std::hypot(places[j][0] - places[i][0], places[j][1] - places[i][1],
-                      places[j][2] - places[i][2]);
+    return std::hypot(positions[j][0] - positions[i][0], positions[j][1] - positions[i][1],
+                      positions[j][2] - positions[i][2]);
   };
   const auto cutoff = [](const TersoffNumbers& p, double r) {
     if (r < p.r - p.half_width) return 1.0;
@@ -289,21 +291,21 @@ double tersoff_energy(const std::vector<std::array<double, 3>>& places, const Nu
     return 0.5 - 0.5 * std::sin(M_PI / 2.0 * (r - p.r) / p.half_width);
   };
   double energy = 0.0;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    for (std::size_t j = 0; j < places.size(); ++j) {
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    for (std::size_t j = 0; j < positions.size(); ++j) {
       if (j == i) continue;
       const TersoffNumbers& bond = of(i, j, j);
       const double r = distance_of(i, j);
       if (cutoff(bond, r) == 0.0) continue;
       double zeta = 0.0;
-      for (std::size_t k = 0; k < places.size(); ++k) {
+      for (std::size_t k = 0; k < positions.size(); ++k) {
         if (k == i || k == j) continue;
         const TersoffNumbers& p = of(i, j, k);
         const double s = distance_of(i, k);
         if (cutoff(p, s) == 0.0) continue;
         double dot = 0.0;
         for (int a = 0; a < 3; ++a) {
-          dot += (places[j][a] - places[i][a]) * (places[k][a] - places[i][a]);
+          dot += (positions[j][a] - positions[i][a]) * (positions[k][a] - positions[i][a]);
         }
         const double apart = p.cos_theta0 - dot / (r * s);
         const double g =
@@ -322,13 +324,13 @@ double tersoff_energy(const std::vector<std::array<double, 3>>& places, const Nu
 TEST(Tersoff, HasTheEnergyOfItsFormula) {
   for (const unsigned seed : kSeedsOfClusters) {
     for (const double spacing : {1.5, 1.9, 2.4}) {
-      const auto places = cluster(3, spacing, 0.3, seed);
-      const auto scene = scene_of(body("a", places) + kTersoff + kRunOfClusters);
+      const auto positions = cluster(3, spacing, 0.3, seed);
+      const auto scene = scene_of(body("a", positions) + kTersoff + kRunOfClusters);
       SingleForce force(*scene, 0);
       const auto carbon = [](std::size_t, std::size_t, std::size_t) -> const TersoffNumbers& {
         return kLindsayBroido;
       };
-      const double expected = tersoff_energy(places, carbon);
+      const double expected = tersoff_energy(positions, carbon);
       EXPECT_NEAR(force.energy(0.0), expected, kHundredsOfRoundings * 27.0 * 40.0);
     }
   }
@@ -354,14 +356,14 @@ TEST(Tersoff, HasTheEnergyOfItsFormulaWhereThePowerOverflows) {
   for (const unsigned seed : kSeedsOfClusters) {
     for (const double spacing : {2.3, 2.6, 3.0}) all.push_back(cluster(3, spacing, 0.35, seed));
   }
-  for (const auto& places : all) {
-    const std::string text = body("a", places) + potential;
+  for (const auto& positions : all) {
+    const std::string text = body("a", positions) + potential;
     const auto scene = scene_of(text);
     SingleForce force(*scene, 0);
-    EXPECT_NEAR(force.energy(0.0), tersoff_energy(places, numbers),
+    EXPECT_NEAR(force.energy(0.0), tersoff_energy(positions, numbers),
                 kHundredsOfRoundings * 27.0 * 40.0);
     for (const double f : forces_of(force)) EXPECT_TRUE(std::isfinite(f));
-    if (places.size() > 3) continue;  // of the first, which is quick
+    if (positions.size() > 3) continue;  // of the first, which is quick
     for (const PropertyResult& result : check_properties(*scene, {.displaced_states = 1})) {
       EXPECT_TRUE(result.holds) << result.property << ": " << result.error << " of "
                                 << result.allowed << " " << result.worst.text();
@@ -383,10 +385,10 @@ TEST(Tersoff, HasTheEnergyOfItsFormulaForTwoSpecies) {
     };
     for (const unsigned seed : kSeedsOfClusters) {
       for (const double spacing : {1.7, 2.1, 2.5}) {
-        const auto places = cluster(3, spacing, 0.3, seed);
-        const auto scene = scene_of(carbide(places, text));
+        const auto positions = cluster(3, spacing, 0.3, seed);
+        const auto scene = scene_of(carbide(positions, text));
         SingleForce force(*scene, 0);
-        const double expected = tersoff_energy(places, numbers);
+        const double expected = tersoff_energy(positions, numbers);
         EXPECT_GT(std::abs(expected), 1.0);
         EXPECT_NEAR(force.energy(0.0), expected, kHundredsOfRoundings * 27.0 * 40.0);
       }
@@ -407,7 +409,8 @@ TEST(Tersoff, HasVerifiedPropertiesForTwoSpecies) {
 }
 
 /// Any two atoms may come to be neighbours, so that implicit schemes ask for the derivatives of all
-/// by all. Asked by the sums over neighbours, with all atoms at one place, 125 would take minutes.
+/// by all. Asked by the sums over neighbours, with all atoms at one position, 125 would take
+/// minutes.
 TEST(Tersoff, HasTheMotionOfExplicitSchemesInImplicitOnes) {
   // Some hundred steps to a tolerance of 1e-9 each, and atoms that cross where the slope of the
   // force jumps, on which error estimates do not count.
@@ -437,24 +440,24 @@ TEST(Tersoff, RefusesABondOfNoExponent) {
 TEST(Tersoff, HasGraphenesLatticeConstant) {
   const auto energy_at = [](double a) {
     const double b = a / std::sqrt(3.0);
-    std::vector<std::array<double, 3>> places;
+    std::vector<std::array<double, 3>> positions;
     constexpr int kAlong = 3;
     constexpr int kAcross = 4;
     for (int i = 0; i < kAcross; ++i) {
       for (int j = 0; j < kAlong; ++j) {
         const double x = a * i;
         const double y = 3.0 * b * j;
-        places.push_back({x, y, 0.0});
-        places.push_back({x + a / 2.0, y + b / 2.0, 0.0});
-        places.push_back({x + a / 2.0, y + 1.5 * b, 0.0});
-        places.push_back({x, y + 2.0 * b, 0.0});
+        positions.push_back({x, y, 0.0});
+        positions.push_back({x + a / 2.0, y + b / 2.0, 0.0});
+        positions.push_back({x + a / 2.0, y + 1.5 * b, 0.0});
+        positions.push_back({x, y + 2.0 * b, 0.0});
       }
     }
     const std::string box = "[box]\nlengths = [" + digits(kAcross * a) + ", " +
                             digits(kAlong * 3.0 * b) + ", 20.0]\nperiodic = [true, true, true]\n";
-    const auto scene = scene_of(box + body("a", places) + kTersoff + kRunOfClusters);
+    const auto scene = scene_of(box + body("a", positions) + kTersoff + kRunOfClusters);
     SingleForce force(*scene, 0);
-    return force.energy(0.0) / static_cast<double>(places.size());
+    return force.energy(0.0) / static_cast<double>(positions.size());
   };
   double low = 2.4;
   double high = 2.6;

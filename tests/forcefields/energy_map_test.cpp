@@ -27,7 +27,7 @@ using Surface = LatticeSubstrateDescription;
 /// Some roundings of numbers of order 1.
 constexpr double kFewRoundings = 4e-15;
 constexpr std::uint64_t kSeeds[] = {1, 42, 20240611};
-constexpr int kPlaces = 300;
+constexpr int kRandomPoints = 300;
 
 /// A periodic function of u and v in a cell, with waves in all directions.
 double sampled(double u, double v) {
@@ -64,9 +64,9 @@ auto parameters_of(const Surface& d, const Origin& origin = {}) {
 }
 
 template <int D, class T = double>
-Site<T, D> site_at(const Surface& d, const Vec<T, D>& place) {
+Site<T, D> site_at(const Surface& d, const Vec<T, D>& position) {
   Site<T, D> site{};
-  site.position = place;
+  site.position = position;
   site.table = d.map->table();
   return site;
 }
@@ -129,21 +129,21 @@ struct Errors {
   double slope = 0.0;
 };
 
-/// The largest over places of the cell, of a map on a square lattice.
+/// The largest over positions of the cell, of a map on a square lattice.
 Errors errors_of(const Surface& d) {
   constexpr double kStep = 1e-5;  // of central differences, whose error is 1e-8
   Errors largest;
   const auto p = parameters_of<LatticeOfMap, 2>(d);
   for (const std::uint64_t seed : kSeeds) {
     Random random(seed);
-    for (int k = 0; k < kPlaces; ++k) {
+    for (int k = 0; k < kRandomPoints; ++k) {
       const double u = uniform(random, 0.0, 1.0);
       const double v = uniform(random, 0.0, 1.0);
       const auto site = site_at(d, Vec<double, 2>{{u, v}});
-      const double due = (sampled(u + kStep, v) - sampled(u - kStep, v)) / (2.0 * kStep);
+      const double expected = (sampled(u + kStep, v) - sampled(u - kStep, v)) / (2.0 * kStep);
       largest.energy =
           std::max(largest.energy, std::abs(LatticeOfMap::energy(p, site) - sampled(u, v)));
-      largest.slope = std::max(largest.slope, std::abs(LatticeOfMap::force(p, site)[0] + due));
+      largest.slope = std::max(largest.slope, std::abs(LatticeOfMap::force(p, site)[0] + expected));
     }
   }
   return largest;
@@ -157,8 +157,8 @@ TEST(EnergyMap, ErrorsFallWithTheSpacingAndAreEstimated) {
     const Surface d = surface_of(grid_of(points, points), SurfaceLattice::square);
     const Errors found = errors_of(d);
     const PeriodicSpline::Error estimated = d.map->error();
-    // 900 random places hit neither maximum exactly; of several waves the estimated one is at grid
-    // places.
+    // 900 random positions hit neither maximum exactly; of several waves the estimated one is at
+    // grid positions.
     EXPECT_GT(estimated.value, 0.8 * found.energy);
     EXPECT_LT(estimated.value, 1.25 * found.energy);
     EXPECT_GT(estimated.slope_u, 0.7 * found.slope);
@@ -176,10 +176,10 @@ template <class E, int D>
 double largest_error_of_gradient(const Surface& d, Random& random) {
   const auto p = parameters_of<E, D>(d);
   double largest = 0.0;
-  for (int k = 0; k < kPlaces; ++k) {
-    Vec<double, D> place;
-    for (int axis = 0; axis < D; ++axis) place[axis] = uniform(random, -2.0, 2.0);
-    const auto site = site_at(d, place);
+  for (int k = 0; k < kRandomPoints; ++k) {
+    Vec<double, D> position;
+    for (int axis = 0; axis < D; ++axis) position[axis] = uniform(random, -2.0, 2.0);
+    const auto site = site_at(d, position);
     const auto energy = E::energy(in_type<E, Dual<double, D>, double, D>(p), differentiable(site));
     const auto force = E::force(p, site);
     for (int axis = 0; axis < D; ++axis) {

@@ -216,7 +216,7 @@ std::string faults_of(const std::string& scene) { return abridged(refusal(scene)
 TEST(Expression, RefusesWhatMeansNothingAndNamesTheColumn) {
   struct Case {
     std::string force;
-    std::string key;  ///< and its place before it, its value behind it
+    std::string key;  ///< and its position before it, its value behind it
     std::string code;
   };
   const std::string unknown = "[expression.unknown_name]";
@@ -413,11 +413,11 @@ TEST(Expression, APeriodIsTriedWhereTheParticlesAre) {
   const auto faults = [](const std::string& energy, const std::string& period) {
     return faults_of(point("energy = \"" + energy + "\"\nperiod = " + period, "", "[0.3, 10.0]"));
   };
-  const std::string due = "test.toml:8:10: force.expression.period [component.invalid]";
+  const std::string wanted = "test.toml:8:10: force.expression.period [component.invalid]";
   const std::string well = "0.5*(y - 10)^2 + exp(-(y - 10)^2)*cos(2*pi*x)";
-  EXPECT_EQ(faults(well, "0.7"), due);
-  EXPECT_EQ(faults("sqrt(y - 5)*cos(2*pi*x)", "0.7"), due);
-  EXPECT_EQ(faults("0.1*cos(2*pi*x)*(1 - exp(-(x - 20.5)^2)) + y", "1.0"), due);
+  EXPECT_EQ(faults(well, "0.7"), wanted);
+  EXPECT_EQ(faults("sqrt(y - 5)*cos(2*pi*x)", "0.7"), wanted);
+  EXPECT_EQ(faults("0.1*cos(2*pi*x)*(1 - exp(-(x - 20.5)^2)) + y", "1.0"), wanted);
   EXPECT_EQ(faults(well, "1.0"), "");
   EXPECT_EQ(faults(well, "[2.0, 0.0]"), "");
 }

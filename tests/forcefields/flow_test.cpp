@@ -131,7 +131,7 @@ TEST(FrictionFlow, IsTheExactFlowOfTheDrag) {
         return all;
       };
       // The drag of the operator, as a force, equals the force of the dampers.
-      const std::vector<double> due = slopes();
+      const std::vector<double> wanted = slopes();
       std::fill_n(view.force, view.dofs, 0.0);
       const Flow<double>& flow = view.flows[0];
       const double power = flow.drag(
@@ -139,8 +139,8 @@ TEST(FrictionFlow, IsTheExactFlowOfTheDrag) {
                                    static_cast<const double*>(view.integrals), rates.data(), 0.0));
       double taken = 0.0;
       for (std::size_t i = 0; i < view.dofs; ++i) {
-        const double size = 1.0 + std::abs(due[i]);
-        EXPECT_NEAR(view.force[i] * view.inverse_mass[i], due[i], 1e-13 * size) << i;
+        const double size = 1.0 + std::abs(wanted[i]);
+        EXPECT_NEAR(view.force[i] * view.inverse_mass[i], wanted[i], 1e-13 * size) << i;
         taken -= view.force[i] * view.velocity[i];
       }
       EXPECT_NEAR(power, taken, 1e-13 * (1.0 + taken));
@@ -227,12 +227,12 @@ std::vector<double> end_of(const RunResult& result) {
 
 TEST(FlowRuns, TakeWhatAForceHandsOutAsTheyTakeFriction) {
   const std::string same = "type = \"viscous_damping\"\ncoefficient = 0.6\n";
-  const std::vector<double> due = end_of(run_text(tip_with(same, verlet(0.02))));
+  const std::vector<double> wanted = end_of(run_text(tip_with(same, verlet(0.02))));
   for (const std::string library : {"", "libflow.so"}) {
     const Registry decay =
         with_force("viscous_damping", "decay", alone<ExactDecay>(), library, true);
     const std::vector<double> found = end_of(run_with(decay, tip_with(kDecay, verlet(0.02))));
-    for (std::size_t k = 0; k < due.size(); ++k) EXPECT_NEAR(found[k], due[k], 1e-12) << k;
+    for (std::size_t k = 0; k < wanted.size(); ++k) EXPECT_NEAR(found[k], wanted[k], 1e-12) << k;
   }
 }
 
@@ -271,8 +271,8 @@ TEST(FlowRuns, LedgerClosesWithTheHeat) {
     EXPECT_LT(*energy["heat_out"], -100.0);
     EXPECT_NEAR(*energy["numerical_work"], 0.0, 1e-11);
     // Equipartition: of 500 energies kT/2, each off by less than its size.
-    const double due = 0.5 * 500.0 * kTemperature;
-    EXPECT_NEAR(*energy["kinetic"], due, 5.0 * due / std::sqrt(500.0));
+    const double wanted = 0.5 * 500.0 * kTemperature;
+    EXPECT_NEAR(*energy["kinetic"], wanted, 5.0 * wanted / std::sqrt(500.0));
   }
 }
 
@@ -284,11 +284,11 @@ TEST(FlowRuns, RandomNumbersFollowFromSeedNameAndStep) {
     return text.replace(text.find("\"bath\""), 6, "\"" + name + "\"");
   };
   const auto end = [&](const std::string& text) { return end_of(run_with(thermal, text)); };
-  const std::vector<double> due = end(scene(""));
-  EXPECT_EQ(end(scene("")), due);
-  EXPECT_EQ(end(scene("[output]\nevery = 0.14\n")), due) << "samples";
-  EXPECT_NE(end(scene("seed = 1\n")), due);
-  EXPECT_NE(end(scene("", "other")), due);
+  const std::vector<double> wanted = end(scene(""));
+  EXPECT_EQ(end(scene("")), wanted);
+  EXPECT_EQ(end(scene("[output]\nevery = 0.14\n")), wanted) << "samples";
+  EXPECT_NE(end(scene("seed = 1\n")), wanted);
+  EXPECT_NE(end(scene("", "other")), wanted);
 
   // Gone on with in the middle.
   const auto parsed = parse_scene(scene(""), "test.toml", thermal);
@@ -296,7 +296,7 @@ TEST(FlowRuns, RandomNumbersFollowFromSeedNameAndStep) {
   first.advance(130);
   Engine second(parsed, {});
   second.resume(first.state().to_bytes());
-  EXPECT_EQ(end_of(second.run()), due);
+  EXPECT_EQ(end_of(second.run()), wanted);
 }
 
 TEST(FlowRuns, WhatAnOperatorThrowsIsItsPlugins) {

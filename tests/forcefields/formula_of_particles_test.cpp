@@ -222,11 +222,11 @@ TEST(FormulaOfParticles, DisorderIsThatOfTheBuiltInSubstrate) {
   const RunResult expected = built_in.run();
   ASSERT_EQ(found.status, RunStatus::finished);
   const auto position = field_of(formula, "position");
-  const auto due = field_of(built_in, "position");
+  const auto wanted = field_of(built_in, "position");
   double most = 0.0;
   for (std::size_t i = 0; i < 150; ++i) {
-    EXPECT_NEAR(position[i], due[i], kRounding) << i;
-    most = std::max(most, std::abs(due[i] - static_cast<double>(i)));
+    EXPECT_NEAR(position[i], wanted[i], kRounding) << i;
+    most = std::max(most, std::abs(wanted[i] - static_cast<double>(i)));
   }
   EXPECT_GT(most, 0.01);
   for (const char* path : {"energy.potential", "energy.kinetic"}) {

@@ -24,10 +24,10 @@ namespace {
 
 using Surface = LatticeSubstrateDescription;
 
-/// Some roundings of numbers of order 1, and of the phases of places within a few cells.
+/// Some roundings of numbers of order 1, and of the phases of positions within a few cells.
 constexpr double kFewRoundings = 2e-14;
-constexpr std::uint64_t kSeedsOfPlaces[] = {1, 20240611, 77};
-constexpr int kPlaces = 200;
+constexpr std::uint64_t kSeedsOfPoints[] = {1, 20240611, 77};
+constexpr int kPoints = 200;
 
 Surface named(SurfaceLattice lattice, double amplitude = 1.0, double period = 1.0,
               double misfit = 0.0) {
@@ -51,7 +51,7 @@ Surface with_harmonics(SurfaceLattice lattice, const std::vector<double>& pairs,
 constexpr SurfaceLattice kPlane[] = {SurfaceLattice::square, SurfaceLattice::hexagonal,
                                      SurfaceLattice::honeycomb};
 
-/// The evaluator at a place relative to an origin.
+/// The evaluator at a position relative to an origin.
 template <class E, class T, int D>
 struct Evaluated {
   T energy;
@@ -59,11 +59,12 @@ struct Evaluated {
 };
 
 template <class E, class T = double, int D>
-Evaluated<E, T, D> evaluate(const Surface& d, const Vec<T, D>& place, const Origin& origin = {}) {
+Evaluated<E, T, D> evaluate(const Surface& d, const Vec<T, D>& position,
+                            const Origin& origin = {}) {
   auto p = E::template parameters<T, D>(d);
   E::template rebase<T, D>(p, d, origin);
   Site<T, D> site{};
-  site.position = place;
+  site.position = position;
   return {E::energy(p, site), E::force(p, site)};
 }
 
@@ -75,12 +76,12 @@ Vec<double, 2> force(const Surface& d, double x, double y) {
   return evaluate<LatticeHigher>(d, Vec<double, 2>{{x, y}}).force;
 }
 
-/// `check` at random places.
+/// `check` at random positions.
 template <class Check>
 void everywhere(Check&& check) {
-  for (const std::uint64_t seed : kSeedsOfPlaces) {
+  for (const std::uint64_t seed : kSeedsOfPoints) {
     Random random(seed);
-    for (int k = 0; k < kPlaces; ++k) check(uniform(random, -3.0, 3.0), uniform(random, -3.0, 3.0));
+    for (int k = 0; k < kPoints; ++k) check(uniform(random, -3.0, 3.0), uniform(random, -3.0, 3.0));
   }
 }
 
@@ -247,9 +248,9 @@ TEST(LatticeSubstrate, BothEvaluatorsAgree) {
   for (const SurfaceLattice lattice : kPlane) {
     const Surface surface = named(lattice, 0.8, 1.3, 0.2);
     everywhere([&](double x, double y) {
-      const Vec<double, 2> place{{x, y}};
-      const auto first = evaluate<LatticeFirst>(surface, place);
-      const auto higher = evaluate<LatticeHigher>(surface, place);
+      const Vec<double, 2> position{{x, y}};
+      const auto first = evaluate<LatticeFirst>(surface, position);
+      const auto higher = evaluate<LatticeHigher>(surface, position);
       EXPECT_NEAR(first.energy, higher.energy, kFewRoundings);
       EXPECT_NEAR(first.force[0], higher.force[0], 10.0 * kFewRoundings);
       EXPECT_NEAR(first.force[1], higher.force[1], 10.0 * kFewRoundings);
@@ -265,7 +266,7 @@ double largest_error_of_gradient(const Surface& d, Random& random) {
   auto p = E::template parameters<double, D>(d);
   E::template rebase<double, D>(p, d, Origin{});
   double largest = 0.0;
-  for (int k = 0; k < kPlaces; ++k) {
+  for (int k = 0; k < kPoints; ++k) {
     Site<double, D> site{};
     for (int axis = 0; axis < D; ++axis) site.position[axis] = uniform(random, -1.0, 1.0);
     const auto energy = E::energy(in_type<E, Dual<double, D>, double, D>(p), differentiable(site));
@@ -330,12 +331,12 @@ TEST(LatticeSubstrate, OneHarmonicOnALineIsTheSinusoidalSubstrate) {
   other.amplitude = 0.4;
   other.period = 1.3;
   const Surface line = named(SurfaceLattice::line, 0.4, 1.3);
-  const auto compare = [&]<int D>(const Vec<double, D>& place) {
+  const auto compare = [&]<int D>(const Vec<double, D>& position) {
     Site<double, D> site{};
-    site.position = place;
+    site.position = position;
     site.frame = frame_at<SinusoidalSubstrate, double, D>(other, {});
     const auto p = SinusoidalSubstrate::parameters<double, D>(other);
-    const auto found = evaluate<LatticeFirst>(line, place);
+    const auto found = evaluate<LatticeFirst>(line, position);
     EXPECT_NEAR(found.energy, SinusoidalSubstrate::energy(p, site), kFewRoundings);
     const auto expected = SinusoidalSubstrate::force(p, site);
     for (int axis = 0; axis < D; ++axis) {
@@ -417,7 +418,8 @@ TEST(LatticeSubstrate, OnlyWhatDivergesOverflows) {
   EXPECT_EQ(beyond.force[2], std::numeric_limits<double>::infinity());
 }
 
-// ---- periods, and places far away ---------------------------------------------------------------
+// ---- periods, and positions far away
+// ---------------------------------------------------------------
 
 TEST(LatticeSubstrate, PeriodsAlongTheAxesAreThoseOfTheRectangularCell) {
   const auto periods = [](const Surface& d) {
@@ -515,16 +517,17 @@ TEST(LatticeSubstrate, FarAwayItIsAsExactAsNearby) {
         for (const double cells : {1e3, 1e6, 1e9, 1e12}) {
           Origin origin;
           origin.unit = {0.7, 0.7, 0.0};
-          Vec<double, 2> place;
+          Vec<double, 2> position;
           Quad full[2] = {};
           for (std::size_t axis = 0; axis < 2; ++axis) {
             origin.cells[axis] = std::llround(cells * way[axis]);
-            place[static_cast<int>(axis)] = uniform(random, -0.7, 0.7);
+            position[static_cast<int>(axis)] = uniform(random, -0.7, 0.7);
             full[axis] = Quad(static_cast<double>(origin.cells[axis])) * Quad(0.7) +
-                         Quad(place[static_cast<int>(axis)]);
+                         Quad(position[static_cast<int>(axis)]);
           }
           const double exact = static_cast<double>(energy_of_sum(surface, full[0], full[1]));
-          EXPECT_NEAR(evaluate<LatticeFirst>(surface, place, origin).energy, exact, kFewRoundings)
+          EXPECT_NEAR(evaluate<LatticeFirst>(surface, position, origin).energy, exact,
+                      kFewRoundings)
               << cells;
           // A position that is stored as one double has an error of some 1e-16 of it.
           const double stored =
@@ -724,7 +727,7 @@ TEST(LatticeSubstrate, ARunFarAwayIsThatOfTheSamePlaceNearby) {
     return std::array{observable(result, "tip.velocity.x").value(),
                       observable(result, "tip.velocity.y").value()};
   };
-  constexpr double kSameRun = 1e-10;  // a hundred times the tolerance; places there have 1e-7
+  constexpr double kSameRun = 1e-10;  // a hundred times the tolerance; positions there have 1e-7
   const auto far = velocity(x, y);
   const auto near = velocity(part[0] * std::cos(0.3) - part[1] * std::sin(0.3),
                              part[0] * std::sin(0.3) + part[1] * std::cos(0.3));

@@ -292,13 +292,13 @@ TEST(NoseHooverChain, SameBitsOnEverySetAndAfterResumption) {
       const std::string text =
           corrugated_chain() + chain_of(3) +
           chain_run(scheme, 0.05, 3.0, "ledger = true\nnumber_type = \"" + type + "\"\n");
-      const Motion due = motion_at_end(text);
+      const Motion expected = motion_at_end(text);
       for (const InstructionSet set :
            {InstructionSet::baseline, InstructionSet::avx2, InstructionSet::avx512}) {
         if (!is_supported(set)) continue;
         RunOptions options;
         options.instruction_set = set;
-        EXPECT_TRUE(motion_at_end(text, {}, options) == due) << scheme << " " << type;
+        EXPECT_TRUE(motion_at_end(text, {}, options) == expected) << scheme << " " << type;
       }
       for (const std::uint64_t steps : {1, 17, 40}) {
         Engine first(scene_of(text), {});
@@ -306,7 +306,7 @@ TEST(NoseHooverChain, SameBitsOnEverySetAndAfterResumption) {
         Engine second(scene_of(text), {});
         second.resume(first.state().to_bytes());
         second.run();
-        EXPECT_TRUE(Motion(second) == due) << scheme << " " << type << " " << steps;
+        EXPECT_TRUE(Motion(second) == expected) << scheme << " " << type << " " << steps;
       }
     }
   }

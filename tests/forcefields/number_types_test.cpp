@@ -14,12 +14,12 @@ namespace tomlin::test {
 namespace {
 
 template <class E>
-const ForceFactories kSound{planted<E, double>, planted<E, Quad>};
+const ForceFactories kValid{planted<E, double>, planted<E, Quad>};
 
 TEST(NumberTypes, SoundForcesBoundTheSameWayAreNotAccused) {
-  EXPECT_EQ(broken_properties("sinusoidal_substrate", kSound<SinusoidalSubstrate>),
+  EXPECT_EQ(broken_properties("sinusoidal_substrate", kValid<SinusoidalSubstrate>),
             std::vector<std::string>{});
-  EXPECT_EQ(broken_properties("viscous_damping", kSound<ViscousDamping>),
+  EXPECT_EQ(broken_properties("viscous_damping", kValid<ViscousDamping>),
             std::vector<std::string>{});
 }
 
@@ -33,13 +33,13 @@ struct Off : E {
 };
 
 TEST(NumberTypes, AnotherForceInOneTypeIsSeen) {
-  ForceFactories substrate = kSound<SinusoidalSubstrate>;
+  ForceFactories substrate = kValid<SinusoidalSubstrate>;
   substrate.in_quadruple = planted<Off<SinusoidalSubstrate>, Quad>;
   EXPECT_CAUGHT("number types", "sinusoidal_substrate", substrate);
-  substrate = kSound<SinusoidalSubstrate>;
+  substrate = kValid<SinusoidalSubstrate>;
   substrate.in_double = planted<Off<SinusoidalSubstrate>, double>;
   EXPECT_CAUGHT("number types", "sinusoidal_substrate", substrate);
-  ForceFactories damping = kSound<ViscousDamping>;
+  ForceFactories damping = kValid<ViscousDamping>;
   damping.in_quadruple = planted<Off<ViscousDamping>, Quad>;
   EXPECT_CAUGHT("number types", "viscous_damping", damping);
 }
@@ -71,10 +71,10 @@ struct ShortPi : SinusoidalSubstrate {
 };
 
 TEST(NumberTypes, QuadrupleInNameOnlyIsSeen) {
-  ForceFactories damping = kSound<ViscousDamping>;
+  ForceFactories damping = kValid<ViscousDamping>;
   damping.in_quadruple = planted<ThroughDouble, Quad>;
   EXPECT_CAUGHT("digits", "viscous_damping", damping);
-  ForceFactories substrate = kSound<SinusoidalSubstrate>;
+  ForceFactories substrate = kValid<SinusoidalSubstrate>;
   substrate.in_quadruple = planted<ShortPi, Quad>;
   EXPECT_CAUGHT("quadruple", "sinusoidal_substrate", substrate);
 }

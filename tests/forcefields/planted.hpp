@@ -15,7 +15,7 @@
 #include "tests/support/conformance.hpp"
 #include "tests/support/scenes.hpp"
 
-/// Forces that are wrong on purpose, bound in place of a sound one.
+/// Forces that are wrong on purpose, bound in place of a valid one.
 namespace tomlin::test {
 
 inline constexpr std::uint64_t kSeeds[] = {20240611, 7, 424242};

@@ -52,7 +52,7 @@ std::vector<std::string> valid_scenes() {
 }
 
 TEST(RandomFaults, AForceOfOnePercentMoreIsFoundInNearlyAllScenes) {
-  const SpoiltRegistry sound("sinusoidal_substrate", {});
+  const SpoiltRegistry valid("sinusoidal_substrate", {});
   const SpoiltRegistry spoilt("sinusoidal_substrate", planted<SlightlyLargerForce>);
   const std::vector<std::string> scenes = valid_scenes();
   ASSERT_EQ(scenes.size(), static_cast<std::size_t>(kScenes));
@@ -62,7 +62,7 @@ TEST(RandomFaults, AForceOfOnePercentMoreIsFoundInNearlyAllScenes) {
     SCOPED_TRACE(scenes[k]);
     std::shared_ptr<const Scene> scene;
     try {
-      scene = parse_scene(scenes[k], "test.toml", sound.registry());
+      scene = parse_scene(scenes[k], "test.toml", valid.registry());
       Model model(scene);
     } catch (const InputError&) {
       continue;

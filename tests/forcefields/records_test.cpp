@@ -115,7 +115,7 @@ TEST(Conformance, TheEdgeOfARangeIsAccepted) {
 
 /// A DOI, or what finds a work from before there were any.
 bool can_be_found(const std::string& work) {
-  // "doi:10.1016/x", at the end since what follows it would be a place in the work.
+  // "doi:10.1016/x", at the end since what follows it would be a position in the work.
   static const std::regex doi(".*, doi:10\\.[0-9]{4,}/[^ ]+");
   static const std::regex book(".*, ISBN [0-9-]{13,}");
   static const std::regex journal(".* [0-9]+ \\((18|19|20)[0-9]{2}\\) [0-9]+");  // 8 (1938) 89

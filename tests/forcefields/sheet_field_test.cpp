@@ -21,7 +21,7 @@
 namespace tomlin::test {
 namespace {
 
-constexpr unsigned kSeedsOfPlaces[] = {3, 58, 1917};
+constexpr unsigned kSeedsOfPoints[] = {3, 58, 1917};
 constexpr double kBond = 1.42;
 constexpr double kEpsilon = 0.002411;
 constexpr double kSigma = 3.4;
@@ -30,7 +30,7 @@ constexpr double kCutoff = 10.0;
 /// a part in a hundred.
 constexpr double kDepth = 0.035;
 constexpr double kPull = 0.0216;
-/// At other places than those at which the error was measured it may be larger, by hardly more.
+/// At other positions than those at which the error was measured it may be larger, by hardly more.
 constexpr double kElsewhere = 1.5;
 /// Some hundred roundings of energies and forces of the order of the well, in it and above.
 constexpr double kRoundingOfField = 1e-15;
@@ -46,9 +46,9 @@ std::string graphene(const std::string& more = "coordinates = \"fixed\"\n",
          more;
 }
 
-std::string atoms_at(const std::vector<Space>& places) {
+std::string atoms_at(const std::vector<Space>& positions) {
   std::string list;
-  for (const Space& x : places) {
+  for (const Space& x : positions) {
     list += "[" + digits(x[0]) + ", " + digits(x[1]) + ", " + digits(x[2]) + "], ";
   }
   return "[[body]]\nname = \"atoms\"\ntype = \"particles\"\nparticle_mass = 12.0\npositions = [" +
@@ -100,20 +100,21 @@ class OnAtom {
   SingleForce force_;
 };
 
-/// Places on both sides of a sheet at the height 0.3, from the nearest to a little beyond the
+/// Positions on both sides of a sheet at the height 0.3, from the nearest to a little beyond the
 /// cutoff, more of them near.
-std::vector<Space> random_places(unsigned seed, std::size_t count, double lowest = 0.61 * kSigma) {
+std::vector<Space> random_positions(unsigned seed, std::size_t count,
+                                    double lowest = 0.61 * kSigma) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
-  std::vector<Space> places;
+  std::vector<Space> positions;
   for (std::size_t k = 0; k < count; ++k) {
     const double u = uniform(random);
     const double z = lowest + (1.02 * kCutoff - lowest) * u * u;
     const double x = 100.0 * uniform(random) - 50.0;
     const double y = 100.0 * uniform(random) - 50.0;
-    places.push_back({x, y, 0.3 + (k % 2 == 0 ? z : -z)});
+    positions.push_back({x, y, 0.3 + (k % 2 == 0 ? z : -z)});
   }
-  return places;
+  return positions;
 }
 
 void expect_within(OnAtom& field, OnAtom& pairs, const Space& x, double tolerance, double depth,
@@ -121,18 +122,19 @@ void expect_within(OnAtom& field, OnAtom& pairs, const Space& x, double toleranc
   const double energy = pairs.energy(x);
   EXPECT_NEAR(field.energy(x), energy, kElsewhere * tolerance * std::max(depth, std::abs(energy)))
       << x[0] << " " << x[1] << " " << x[2];
-  const Space due = pairs.force(x);
+  const Space expected = pairs.force(x);
   const Space found = field.force(x);
-  const double allowed = kElsewhere * tolerance * std::max(pull, std::abs(due[2]));
-  for (std::size_t d = 0; d < 3; ++d) EXPECT_NEAR(found[d], due[d], allowed) << x[2] << " " << d;
+  const double allowed = kElsewhere * tolerance * std::max(pull, std::abs(expected[2]));
+  for (std::size_t d = 0; d < 3; ++d)
+    EXPECT_NEAR(found[d], expected[d], allowed) << x[2] << " " << d;
 }
 
 TEST(SheetField, AgreesWithLennardJonesToItsTolerance) {
   OnAtom pairs(with_sheet("lennard_jones"));
   for (const double tolerance : {1e-2, 1e-3, 1e-4, 2e-5}) {
     OnAtom field(field_of_sheet(tolerance));
-    for (const unsigned seed : kSeedsOfPlaces) {
-      for (const Space& x : random_places(seed, 200)) {
+    for (const unsigned seed : kSeedsOfPoints) {
+      for (const Space& x : random_positions(seed, 200)) {
         expect_within(field, pairs, x, tolerance, kDepth, kPull);
       }
     }
@@ -144,11 +146,12 @@ TEST(SheetField, IsNoMoreExactThanAsked) {
   OnAtom pairs(with_sheet("lennard_jones"));
   OnAtom field(field_of_sheet(1e-2));
   double worst = 0.0;
-  for (const Space& x : random_places(kSeedsOfPlaces[0], 400)) {
-    const Space due = pairs.force(x);
+  for (const Space& x : random_positions(kSeedsOfPoints[0], 400)) {
+    const Space expected = pairs.force(x);
     const Space found = field.force(x);
     for (std::size_t d = 0; d < 3; ++d) {
-      worst = std::max(worst, std::abs(found[d] - due[d]) / std::max(kPull, std::abs(due[2])));
+      worst = std::max(worst,
+                       std::abs(found[d] - expected[d]) / std::max(kPull, std::abs(expected[2])));
     }
   }
   EXPECT_GT(worst, 1e-4);
@@ -178,15 +181,15 @@ TEST(SheetField, HasTheSymmetriesOfGraphene) {
   // In the corner of the sheet, whose first atom is at 0 and -s of this: the middle of a hexagon.
   const double h = 0.5 * std::sqrt(3.0) * kBond;
   const Space middle = {0.1 + 0.5 * kBond * (-2.0 - 21.0) + kBond, 0.2 - 0.5 * h * 23.0, 0.3};
-  for (const unsigned seed : kSeedsOfPlaces) {
-    for (const Space& x : random_places(seed, 40, kSigma)) {
+  for (const unsigned seed : kSeedsOfPoints) {
+    for (const Space& x : random_positions(seed, 40, kSigma)) {
       const double energy = field.energy(x);
       const Space force = field.force(x);
-      const auto expect_same = [&](const Space& place, const Space& due, const char* what) {
-        EXPECT_NEAR(field.energy(place), energy, kRoundingOfField) << what;
-        const Space found = field.force(place);
+      const auto expect_same = [&](const Space& position, const Space& expected, const char* what) {
+        EXPECT_NEAR(field.energy(position), energy, kRoundingOfField) << what;
+        const Space found = field.force(position);
         for (std::size_t d = 0; d < 3; ++d) {
-          EXPECT_NEAR(found[d], due[d], 10.0 * kRoundingOfField) << what << d;
+          EXPECT_NEAR(found[d], expected[d], 10.0 * kRoundingOfField) << what << d;
         }
       };
       expect_same({x[0], x[1] + 2.0 * h, x[2]}, force, "lattice vector along zigzag");
@@ -211,8 +214,8 @@ TEST(SheetField, HasTheSymmetriesOfGraphene) {
 TEST(SheetField, PullsDownItsEnergy) {
   OnAtom field(field_of_sheet(1e-4));
   constexpr double kStep = 1e-4;
-  for (const unsigned seed : kSeedsOfPlaces) {
-    for (const Space& x : random_places(seed, 100)) {
+  for (const unsigned seed : kSeedsOfPoints) {
+    for (const Space& x : random_positions(seed, 100)) {
       const Space force = field.force(x);
       for (std::size_t d = 0; d < 3; ++d) {
         const auto energy = [&](double steps) {
@@ -239,7 +242,7 @@ TEST(SheetField, HasItsVerifiedProperties) {
     const std::string coordinates =
         count % 3 == 0 ? "coordinates = \"rigid\"\nhold = [\"rotation\"]\n" : "";
     check.examine(
-        *scene_of(graphene() + atoms_at(random_places(kSeedsOfPlaces[count % 3], count, 3.0)) +
+        *scene_of(graphene() + atoms_at(random_positions(kSeedsOfPoints[count % 3], count, 3.0)) +
                   coordinates + field_of_sheet(1e-3) + kRunOfAtoms),
         count);
   }
@@ -248,19 +251,21 @@ TEST(SheetField, HasItsVerifiedProperties) {
 
 /// The others in its group of eight, and their need for more harmonics, do not affect a particle.
 TEST(SheetField, OfAParticleHasTheBitsOfThatParticleAlone) {
-  for (const unsigned seed : kSeedsOfPlaces) {
-    const std::vector<Space> places = random_places(seed, 37);
-    const auto scene = scene_of(graphene() + atoms_at(places) + field_of_sheet(1e-4) + kRunOfAtoms);
+  for (const unsigned seed : kSeedsOfPoints) {
+    const std::vector<Space> positions = random_positions(seed, 37);
+    const auto scene =
+        scene_of(graphene() + atoms_at(positions) + field_of_sheet(1e-4) + kRunOfAtoms);
     SingleForce together(*scene, 0);
     const double* f = together.forces(0.0);
     OnAtom alone(field_of_sheet(1e-4));
     const auto& variables = together.variables();
-    for (std::size_t i = 0; i < places.size(); ++i) {
+    for (std::size_t i = 0; i < positions.size(); ++i) {
       Space x{};
       for (std::size_t d = 0; d < 3; ++d)
-        x[d] = together.position(variables[d * places.size() + i]);
-      const Space due = alone.force(x);
-      for (std::size_t d = 0; d < 3; ++d) EXPECT_EQ(f[variables[d * places.size() + i].at], due[d]);
+        x[d] = together.position(variables[d * positions.size() + i]);
+      const Space expected = alone.force(x);
+      for (std::size_t d = 0; d < 3; ++d)
+        EXPECT_EQ(f[variables[d * positions.size() + i].at], expected[d]);
     }
   }
 }
@@ -287,9 +292,9 @@ SheetAtoms atoms_of_graphene() {
   std::vector<SheetPoint> atoms;
   const double h = 0.5 * std::sqrt(3.0) * kBond;
   for (int row = 0; row < 8; ++row) {
-    for (int place = 0; place < 12; ++place) {
+    for (int position = 0; position < 12; ++position) {
       const double s = 3.0 * kBond * row;
-      const double t = 2.0 * h * place;
+      const double t = 2.0 * h * position;
       for (const auto& [x, y] : {std::pair{0.0, 0.0}, {0.5, 1.0}, {1.5, 1.0}, {2.0, 0.0}}) {
         atoms.push_back({s + x * kBond, t + y * h});
       }
@@ -341,26 +346,26 @@ TEST(SheetField, MeasuresTheErrorOfAFault) {
   const SheetAtoms atoms = atoms_of_graphene();
   const SheetLattice lattice = find_lattice(atoms).lattice;
   constexpr double kTolerance = 1e-3;
-  const SheetTable sound =
+  const SheetTable valid =
       make_sheet_table(lattice, law_with_cutoff(kCutoff), kSigma, kTolerance, 0);
-  EXPECT_LT(measure_sheet_error(sound, atoms).relative, kTolerance);
-  ASSERT_GE(sound.stars(), 4u);
-  const auto heights = static_cast<std::size_t>(sound.numbers[1]);
-  const std::size_t row = SheetTable::kKnot * sound.stars();
-  for (std::size_t lost = 0; lost < sound.stars(); ++lost) {
-    SheetTable without = sound;
-    for (std::size_t at = heights + SheetTable::kKnot * lost; at < sound.numbers.size();
+  EXPECT_LT(measure_sheet_error(valid, atoms).relative, kTolerance);
+  ASSERT_GE(valid.stars(), 4u);
+  const auto heights = static_cast<std::size_t>(valid.numbers[1]);
+  const std::size_t row = SheetTable::kKnot * valid.stars();
+  for (std::size_t lost = 0; lost < valid.stars(); ++lost) {
+    SheetTable without = valid;
+    for (std::size_t at = heights + SheetTable::kKnot * lost; at < valid.numbers.size();
          at += row) {
       std::fill_n(without.numbers.begin() + static_cast<std::ptrdiff_t>(at), SheetTable::kKnot,
                   0.0);
     }
     EXPECT_GT(measure_sheet_error(without, atoms).relative, 1.5 * kTolerance) << "star " << lost;
   }
-  SheetTable turned = sound;
+  SheetTable turned = valid;
   double& n = turned.numbers[SheetTable::kHead + SheetTable::kStarHead + 1];
   n = n == 0.0 ? 1.0 : -n;
   EXPECT_GT(measure_sheet_error(turned, atoms).relative, 0.01);
-  SheetTable bent = sound;
+  SheetTable bent = valid;
   bent.numbers[heights + 8 * row] *= 1.5;
   EXPECT_GT(measure_sheet_error(bent, atoms).relative, kTolerance);
 }
@@ -408,7 +413,7 @@ TEST(SheetField, KnowsOtherLattices) {
     OnAtom pairs(with_sheet("lennard_jones"), sheet);
     OnAtom field(field_of_sheet(kLoose), sheet);
     // Nearer to these sheets a force is far from the mean at its height, of which the tolerance is.
-    for (const Space& x : random_places(kSeedsOfPlaces[1], 100, 0.8 * kSigma)) {
+    for (const Space& x : random_positions(kSeedsOfPoints[1], 100, 0.8 * kSigma)) {
       expect_within(field, pairs, x, kLoose, kDepth, kPull);
       const Space image = {x[0], x[1], x[2] + 120.0};
       EXPECT_NEAR(field.energy(image), field.energy(x), 1e-9 * std::abs(field.energy(x)) + 1e-15);
@@ -440,8 +445,8 @@ TEST(SheetField, SaysWhatItFound) {
 
 /// The sheet is at the height 0.3, and its field begins at 0.6 sigma = 2.04 from it.
 TEST(SheetField, RefusesStartsWithinIt) {
-  const auto refused = [](const std::vector<Space>& places) {
-    return refusal(graphene() + atoms_at(places) + field_of_sheet(1e-3) + kRunOfAtoms);
+  const auto refused = [](const std::vector<Space>& positions) {
+    return refusal(graphene() + atoms_at(positions) + field_of_sheet(1e-3) + kRunOfAtoms);
   };
   EXPECT_EQ(refused({{0.3, 0.2, 2.35}, {0.0, 0.0, -1.75}}), "");
   const std::string near = refused({{0.3, 0.2, 3.3}, {0.0, 0.0, 2.33}, {0.0, 1.0, 2.335}});
@@ -483,15 +488,15 @@ TEST(SheetField, IsRefusedWhereThereIsNoSheet) {
 }
 
 TEST(SheetField, SaysWhichToleranceCanBeReached) {
-  const std::string place = atoms_at({{0.0, 0.0, 4.0}});
-  const std::string text = refusal(graphene() + place + field_of_sheet(2e-8) + kRunOfAtoms);
+  const std::string position = atoms_at({{0.0, 0.0, 4.0}});
+  const std::string text = refusal(graphene() + position + field_of_sheet(2e-8) + kRunOfAtoms);
   const std::size_t at = text.find("expected: ");
   ASSERT_NE(at, std::string::npos) << text;
   const double reachable = std::stod(text.substr(at + std::strlen("expected: ")));
   EXPECT_GT(reachable, 1e-7);
   EXPECT_LT(reachable, 5e-5);
-  EXPECT_EQ(brief_refusal(graphene() + place + field_of_sheet(reachable) + kRunOfAtoms), "");
-  EXPECT_EQ(brief_refusal(graphene() + place +
+  EXPECT_EQ(brief_refusal(graphene() + position + field_of_sheet(reachable) + kRunOfAtoms), "");
+  EXPECT_EQ(brief_refusal(graphene() + position +
                           with_sheet("sheet_field", "tolerance = 1e-3\nat_cutoff = \"cut\"\n") +
                           kRunOfAtoms),
             "24:13 force.sheet_field.at_cutoff = \"cut\" [component.unsuitable]");

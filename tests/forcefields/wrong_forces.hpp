@@ -226,7 +226,7 @@ class SwappedPasses : public ParticleForce<E, Real, D> {
   }
 };
 
-/// `add` that overwrites; `set` is sound.
+/// `add` that overwrites; `set` is valid.
 template <class E, class Real, int D>
 class AddsOverwriting : public ParticleForce<E, Real, D> {
  public:
@@ -365,7 +365,7 @@ struct DragThatDoubles : ViscousDamping {
   }
 };
 
-/// Everything passed on to a sound substrate; what follows changes one thing of it each.
+/// Everything passed on to a valid substrate; what follows changes one thing of it each.
 template <class E, class Real, int D>
 class NegativeHessian : public ParticleForce<E, Real, D> {
  public:
@@ -406,7 +406,7 @@ class EnergyThatDrifts : public ParticleForce<E, Real, D> {
   double time_ = 0.0;
 };
 
-/// One more kernel call, after those of the sound force.
+/// One more kernel call, after those of the valid force.
 template <class E, class Real, int D>
 class WithAnotherPass : public ParticleForce<E, Real, D> {
  public:

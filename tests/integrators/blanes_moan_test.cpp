@@ -84,7 +84,7 @@ TEST(BlanesMoanEnergy, SwingsWithTheFourthPowerOfTheStep) {
   EXPECT_TRUE(kFourth.holds(order)) << order;
 }
 
-/// A flexible ring that is pulled over the corrugation without friction: places, and what is
+/// A flexible ring that is pulled over the corrugation without friction: positions, and what is
 /// integrated along the way.
 TEST(BlanesMoanOrder, OfARingAndOfItsWork) {
   const auto text = [](const std::string& integrator) {
@@ -101,17 +101,17 @@ TEST(BlanesMoanOrder, OfARingAndOfItsWork) {
   };
   const RunResult exact = run_text(text(adaptive(1e-14, "dop853")));
   std::vector<double> steps;
-  std::vector<double> place, work, force;
+  std::vector<double> position, work, force;
   for (double h = 0.04; h > 0.004; h *= 0.5) {
     const RunResult result = run_text(text(scheme(h)));
     ASSERT_EQ(result.status, RunStatus::finished);
     steps.push_back(h);
-    place.push_back(
+    position.push_back(
         std::abs(result.body(0)["centre_of_mass"][0] - exact.body(0)["centre_of_mass"][0]));
     work.push_back(std::abs(*result.driver(0)["work"] - *exact.driver(0)["work"]));
     force.push_back(std::abs(result.driver(0)["mean_force"][0] - exact.driver(0)["mean_force"][0]));
   }
-  for (const auto& errors : {place, work, force}) {
+  for (const auto& errors : {position, work, force}) {
     const double order = fitted_order(steps, errors, 1e-14);
     EXPECT_TRUE(kFourth.holds(order)) << order;
   }

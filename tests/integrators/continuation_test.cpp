@@ -20,10 +20,10 @@ namespace {
 constexpr double kForceError = 5e-9;
 /// The height of an extreme comes from a cubic through looks within a step.
 constexpr double kPeakError = 1e-7;
-/// Places of folds and energies there follow from a one-line solve.
+/// Positions of folds and energies there follow from a one-line solve.
 constexpr double kSlipError = 1e-10;
-/// The place at a fold is known to the root of that.
-constexpr double kPlaceError = 1e-7;
+/// The position at a fold is known to the root of that.
+constexpr double kPositionError = 1e-7;
 
 /// A tip on V0 cos(2 pi x), pulled through a spring. The substrate's maximum is at the start.
 struct Tip {
@@ -42,12 +42,12 @@ struct Tip {
   }
 
   /// The first well's equilibrium ends at this position; the tip then goes to landing().
-  double fold_place() const { return 1.0 - std::acos(1.0 / s()) / kTau; }
-  double fold() const { return fold_place() + slope(fold_place()) / k; }
+  double fold_position() const { return 1.0 - std::acos(1.0 / s()) / kTau; }
+  double fold() const { return fold_position() + slope(fold_position()) / k; }
   double landing() const {
     const double X = fold();
     const auto pushed = [&](double x) { return k * (X - x) - slope(x); };
-    double low = fold_place() + 1e-3;
+    double low = fold_position() + 1e-3;
     double high = low;
     while (pushed(high) > 0.0) high += 1e-3;
     low = high - 1e-3;
@@ -57,7 +57,7 @@ struct Tip {
     }
     return low;
   }
-  double lost() const { return energy(fold(), fold_place()) - energy(fold(), landing()); }
+  double lost() const { return energy(fold(), fold_position()) - energy(fold(), landing()); }
 
   std::string scene() const {
     return "[[body]]\ntype = \"point\"\nposition = [0.0]\nparticle_mass = 1.0\n"
@@ -99,13 +99,13 @@ TEST(QuasistaticTip, SlipsByTheClosedForms) {
     for (std::size_t n = 0; n < slips.size(); ++n) {
       EXPECT_NEAR(slips[n].time, tip.fold() + static_cast<double>(n), kSlipError) << V0;
       EXPECT_NEAR(slips[n].energy_lost, tip.lost(), kSlipError) << V0;
-      EXPECT_NEAR(slips[n].size, tip.landing() - tip.fold_place(), kPlaceError) << V0;
+      EXPECT_NEAR(slips[n].size, tip.landing() - tip.fold_position(), kPositionError) << V0;
       EXPECT_NEAR(slips[n].peak_force, tip.critical(), kPeakError * scale) << V0;
       EXPECT_EQ(slips[n].duration, 0.0);
       EXPECT_EQ(slips[n].name, "driver");
     }
     // The last force before the slip, from its size: the fold is below the largest force.
-    const double at_fold = tip.k * (tip.fold() - tip.fold_place());
+    const double at_fold = tip.k * (tip.fold() - tip.fold_position());
     EXPECT_NEAR(at_fold, tip.critical() * std::sqrt(1.0 - 1.0 / (tip.s() * tip.s())), 1e-12);
   }
 }
@@ -196,10 +196,10 @@ TEST(QuasistaticTip, IsInBalanceAtEverySample) {
   ASSERT_EQ(result.status, RunStatus::finished);
   ASSERT_EQ(sink.rows.size(), 401u);
   const std::size_t force = sink.column("driver.force.x");
-  const std::size_t place = sink.column("point.centre_of_mass.x");
+  const std::size_t position = sink.column("point.centre_of_mass.x");
   const std::size_t velocity = sink.column("point.velocity.x");
   for (const auto& row : sink.rows) {
-    const double x = row[place];
+    const double x = row[position];
     EXPECT_NEAR(row[force], tip.slope(x), 1e-8) << row[0];
     EXPECT_NEAR(row[force], tip.k * (tip.v * row[0] - x), 1e-12) << row[0];
     const double curvature = tip.k - kTau * kTau * tip.V0 * std::cos(kTau * x);

@@ -95,7 +95,7 @@ std::string bonds_alone(double stiffness, const std::string& integrator) {
   return text.erase(from, text.find("[run]") - from);
 }
 
-std::vector<double> places(const std::string& text) {
+std::vector<double> positions(const std::string& text) {
   Engine engine(scene_of(text), {});
   engine.run();
   const SystemView<double>& view = engine.model().system().view;
@@ -114,9 +114,9 @@ double largest_difference(const std::vector<double>& a, const std::vector<double
 /// A stretched chain that swings and dies down: nothing but the operator, exact at any step.
 TEST(ExponentialChain, BondsAndFrictionAloneAreExact) {
   constexpr double kRounding = 1e-11;
-  const std::vector<double> exact = places(bonds_alone(30.0, adaptive(1e-14, "dop853")));
+  const std::vector<double> exact = positions(bonds_alone(30.0, adaptive(1e-14, "dop853")));
   for (const double h : {0.01, 0.5, 4.0}) {
-    EXPECT_LT(largest_difference(places(bonds_alone(30.0, scheme(h))), exact), kRounding) << h;
+    EXPECT_LT(largest_difference(positions(bonds_alone(30.0, scheme(h))), exact), kRounding) << h;
   }
 }
 

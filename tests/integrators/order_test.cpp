@@ -474,7 +474,7 @@ TEST(Limits, InitialStep) {
   EXPECT_EQ(engine.integrator().step(DoubleDouble(0.0), 6.4, false).taken, 0.003);
 }
 
-/// A tip that starts in a place where its acceleration overflows.
+/// A tip that starts in a position where its acceleration overflows.
 TEST(Limits, LeavingTheFiniteNumbers) {
   for (const std::string& integrator : {fixed_step(0.01), verlet(0.01), adaptive(1e-9)}) {
     Engine engine(scene_of("[[body]]\ntype = \"point\"\nposition = [1.0]\nparticle_mass = 1e-200\n"

@@ -233,7 +233,7 @@ TEST(Radau9, FallsOffTheTop) {
   }
 }
 
-/// A spring so stiff that the tolerance of places is more than all of the substrate's force.
+/// A spring so stiff that the tolerance of positions is more than all of the substrate's force.
 TEST(Radau9, IsDoubtedWhereASpringIsTooStiffForItsTolerance) {
   const auto doubts = [](const char* stiffness) {
     const RunResult result =

@@ -21,7 +21,7 @@ constexpr double kAbove = 1.03;
 constexpr double kAboveOfBlanesMoan = 1.0009;
 constexpr std::uint64_t kSteps = 6000;
 constexpr double kGrown = 10.0;
-constexpr double kNotGrown = 2.0;  // in the norm of places and velocities, h omega being about 3
+constexpr double kNotGrown = 2.0;  // in the norm of positions and velocities, h omega being about 3
 
 struct Case {
   std::string scheme;

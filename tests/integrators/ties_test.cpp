@@ -62,8 +62,8 @@ TEST(Ties, ATiltDecides) {
   }
 }
 
-/// Digits that the body's place at the end has in all of two (or more) disturbed runs, and the mean
-/// forces.
+/// Digits that the body's position at the end has in all of two (or more) disturbed runs, and the
+/// mean forces.
 double digits_of(const std::string& scene, const char* size, int repeats = 2,
                  const char* body = "tip") {
   const std::string perturb = std::string("{ size = ") + size +
@@ -194,8 +194,8 @@ TEST(Ties, WhatTurnsFreelyIsNotPushed) {
   }
 }
 
-/// A particle between two others loses its place in the middle at t = 0.4, where nothing holds the
-/// three of them: steady forces that sum to zero leave them where they are, and decide.
+/// A particle between two others loses its position in the middle at t = 0.4, where nothing holds
+/// the three of them: steady forces that sum to zero leave them where they are, and decide.
 TEST(Ties, WhatSlidesFreelyIsPushed) {
   const auto point = [](const char* name, const char* at) {
     return std::string("[[body]]\nname = \"") + name + "\"\ntype = \"point\"\nposition = [" + at +

@@ -73,7 +73,7 @@ TEST(Friction, StableHoweverStrong) {
 
 /// The drag error of the record is that of the scheme: the speed under a steady force.
 TEST(Friction, DragIsOffByWhatTheRecordSays) {
-  constexpr double kRounding = 1e-10;  // of places, over the window
+  constexpr double kRounding = 1e-10;  // of positions, over the window
   const auto drag_error = standard().integrator("velocity_verlet")->drag_error;
   for (const double damped : {0.01, 0.25, 1.0, 5.0}) {  // whole steps in the window
     const std::string text =
@@ -351,7 +351,7 @@ TEST(VerletEnergy, ARunCanBeRetraced) {
   const RunResult there = run_text(at_rest(scene(0.3, 0.2)));
   const RunResult back =
       run_text(at_rest(scene(there.body(0)["centre_of_mass"][0], -there.body(0)["velocity"][0])));
-  constexpr double kRounding = 1e-10;  // of places, over the window  // 1600 steps
+  constexpr double kRounding = 1e-10;  // of positions, over the window  // 1600 steps
   EXPECT_NEAR(back.body(0)["centre_of_mass"][0], 0.3, kRounding);
   EXPECT_NEAR(back.body(0)["velocity"][0], -0.2, kRounding);
 }

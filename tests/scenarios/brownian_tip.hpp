@@ -82,7 +82,7 @@ class SmoluchowskiTip {
     const double thermal = kWidths * std::sqrt(temperature / k);
     low_ = -((2.0 * kPi * V0 + v) / k + thermal);
     width_ = (thermal + 1.0 - low_) / cells;
-    const Eigen::ArrayXd y = places(cells);
+    const Eigen::ArrayXd y = positions(cells);
     p_ = (-0.5 * k * y * y / temperature).exp();
     p_ /= p_.sum();
     now_ = rates(0.5);
@@ -108,11 +108,11 @@ class SmoluchowskiTip {
     Eigen::ArrayXd below, self, above;
   };
 
-  Eigen::ArrayXd places(Eigen::Index cells) const {
+  Eigen::ArrayXd positions(Eigen::Index cells) const {
     return low_ +
            width_ * (Eigen::ArrayXd::LinSpaced(cells, 0.0, static_cast<double>(cells - 1)) + 0.5);
   }
-  double force() const { return -k_ * (p_ * places(p_.size())).sum(); }
+  double force() const { return -k_ * (p_ * positions(p_.size())).sum(); }
 
   Rates rates(double X) const {
     const auto bernoulli = [](double x) {
@@ -120,7 +120,7 @@ class SmoluchowskiTip {
       return std::abs(x) < kSmall ? 1.0 - 0.5 * x : x / std::expm1(x);
     };
     const Eigen::Index n = p_.size();
-    const Eigen::ArrayXd y = places(n);
+    const Eigen::ArrayXd y = positions(n);
     const Eigen::ArrayXd U = V0_ * (2.0 * kPi * (y + X)).cos() + 0.5 * k_ * y * y + v_ * y;
     Rates result{Eigen::ArrayXd::Zero(n), Eigen::ArrayXd::Zero(n), Eigen::ArrayXd::Zero(n)};
     const double hop = temperature_ / (width_ * width_);

@@ -270,7 +270,7 @@ TEST(FrenkelKontorova, DrivenChainsLedgerCloses) {
 }
 
 /// The largest pull that the end of a half-infinite chain in step with the substrate stands: its
-/// places at rest are orbits of the standard map that leave the fixed point, and the pull on the
+/// positions at rest are orbits of the standard map that leave the fixed point, and the pull on the
 /// last particle is the step that would come next.
 double pull_of_the_standard_map(double K) {
   const double growth = 1.0 + 0.5 * K + std::sqrt(K + 0.25 * K * K);
@@ -278,12 +278,13 @@ double pull_of_the_standard_map(double K) {
   double largest = 0.0;
   for (int orbit = 0; orbit < kOrbits; ++orbit) {
     double before = 1e-8 * std::pow(growth, static_cast<double>(orbit) / kOrbits);
-    double place = before * growth;
-    while (place < 0.75) {  // the first kink: beyond, the chain has let go
-      const double next = 2.0 * place - before + K / (2.0 * kPi) * std::sin(2.0 * kPi * place);
-      largest = std::max(largest, next - place);
-      before = place;
-      place = next;
+    double position = before * growth;
+    while (position < 0.75) {  // the first kink: beyond, the chain has let go
+      const double next =
+          2.0 * position - before + K / (2.0 * kPi) * std::sin(2.0 * kPi * position);
+      largest = std::max(largest, next - position);
+      before = position;
+      position = next;
     }
   }
   return largest;

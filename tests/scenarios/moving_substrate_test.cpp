@@ -39,11 +39,11 @@ double root(F&& f, double low, double high) {
 
 /// Returns the position of the maximum: on a grid, then by thirds between its neighbours.
 template <class F>
-double place_of_maximum(F&& f, double from, double to) {
-  constexpr int kPlaces = 500;
-  const double step = (to - from) / kPlaces;
+double position_of_maximum(F&& f, double from, double to) {
+  constexpr int kPoints = 500;
+  const double step = (to - from) / kPoints;
   double best = from;
-  for (int k = 1; k <= kPlaces; ++k) {
+  for (int k = 1; k <= kPoints; ++k) {
     if (f(from + k * step) > f(best)) best = from + k * step;
   }
   double low = std::max(from, best - step);
@@ -86,16 +86,18 @@ class Balance {
   }
 
   double static_force() const {
-    return against(place_of_maximum([&](double x) { return against(x); }, fold_ - 1.0, fold_));
+    return against(position_of_maximum([&](double x) { return against(x); }, fold_ - 1.0, fold_));
   }
 
   /// Returns the loss of a slip, a period long: from where k + G' = 0 and the driver can pull no
   /// further, to the same position of the driver in the next well.
   double mean_force(double k) const {
-    const auto pull = [&](double x) { return k * x + against(x); };  // k times the driver's place
-    const double from = place_of_maximum(pull, fold_ - 1.0, fold_);
+    const auto pull = [&](double x) {
+      return k * x + against(x);
+    };  // k times the driver's position
+    const double from = position_of_maximum(pull, fold_ - 1.0, fold_);
     const double end = pull(from);
-    const double well = place_of_maximum([&](double x) { return -pull(x); }, from, from + 1.0);
+    const double well = position_of_maximum([&](double x) { return -pull(x); }, from, from + 1.0);
     const double to = root([&](double x) { return pull(x) - end; }, well, from + 1.0);
     const auto stored = [&](double x) {
       const double stretch = end / k - x;
@@ -111,7 +113,7 @@ class Balance {
     return -w / (width_ * width_) * std::exp(-0.5 * w * w / (width_ * width_));
   }
   double distance(double w) const { return w + slope(w) / ka_; }
-  double place(double d) const {
+  double position(double d) const {
     const auto off = [&](double w) { return distance(w) - d; };
     constexpr double kFar = 20.0;
     return d <= fold_ ? root(off, -kFar, last_ahead_) : root(off, -last_ahead_, kFar);
@@ -119,7 +121,7 @@ class Balance {
   template <class F>
   double sum(double x, F&& of) const {
     double total = 0.0;
-    for (int j = -kNeighbours; j <= kNeighbours; ++j) total += of(place(x - j));
+    for (int j = -kNeighbours; j <= kNeighbours; ++j) total += of(position(x - j));
     return total;
   }
 

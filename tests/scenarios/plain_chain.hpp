@@ -95,36 +95,36 @@ class PlainChain {
 /// The force per particle at which a pinned chain lets go: with the centre led over one period of
 /// its landscape (1/count), the largest force that holds it. No dynamics in it.
 inline double depinning_force(double K, std::size_t count, double periods) {
-  constexpr std::size_t kPlaces = 24;  // good to 1 %; with 96 to 1e-4
+  constexpr std::size_t kPoints = 24;  // good to 1 %; with 96 to 1e-4
   constexpr double kLong = 4000.0;     // with the centre held the slowest rates are some 1e-2
   PlainChain chain(K, count, periods);
   std::vector<double> held;
-  while (held.size() < kPlaces) {
-    chain.shift(1.0 / static_cast<double>(kPlaces * count));
+  while (held.size() < kPoints) {
+    chain.shift(1.0 / static_cast<double>(kPoints * count));
     chain.relax(kLong, true);
     held.push_back(-chain.mean_force());
   }
   const auto top = std::max_element(held.begin(), held.end()) - held.begin();
   const auto n = static_cast<std::size_t>(top);
-  const double left = held[(n + kPlaces - 1) % kPlaces];
-  const double right = held[(n + 1) % kPlaces];
+  const double left = held[(n + kPoints - 1) % kPoints];
+  const double right = held[(n + 1) % kPoints];
   const double bend = left - 2.0 * held[n] + right;
   const double slope = 0.5 * (right - left);
-  return held[n] - 0.5 * slope * slope / bend;  // the top of the parabola through three places
+  return held[n] - 0.5 * slope * slope / bend;  // the top of the parabola through three positions
 }
 
 /// Velocity over force of the chain that slides slowly through its landscape, over one period of
 /// it.
 inline double mean_mobility(double K, std::size_t count, double periods) {
-  constexpr int kPlaces = 8;
+  constexpr int kPoints = 8;
   constexpr double kLong = 4000.0;
   PlainChain chain(K, count, periods);
   chain.relax(kLong);
   double time = 0.0;  // taken at unit force
-  for (int place = 0; place < kPlaces; ++place) {
-    chain.shift(1.0 / (kPlaces * static_cast<double>(count)));
+  for (int position = 0; position < kPoints; ++position) {
+    chain.shift(1.0 / (kPoints * static_cast<double>(count)));
     chain.relax(kLong, true);
-    time += 1.0 / chain.mobility(kLong) / kPlaces;
+    time += 1.0 / chain.mobility(kLong) / kPoints;
   }
   return 1.0 / time;
 }

@@ -29,7 +29,7 @@ double stiffness_of(double s) { return 4.0 * kPi * kPi * kAmplitude / (s * kPeri
 /// Slow driving: the tip sits on its stable branch, slips where that folds, and comes to rest in
 /// the next well.
 struct QuasiStatic {
-  double fold_place;  ///< of the tip, in the well around a/2
+  double fold_position;  ///< of the tip, in the well around a/2
   double fold_force;
   double mean_force;  ///< what a slip loses, per period
   double slip;        ///< from the fold to the next well
@@ -38,11 +38,11 @@ struct QuasiStatic {
     const double k = stiffness_of(s);
     const auto substrate = [](double x) { return kLargestForce * std::sin(2.0 * kPi * x); };
     const auto driver = [&](double x) { return x - substrate(x) / k; };  // holds the tip at x
-    fold_place = 1.0 - std::acos(1.0 / s) / (2.0 * kPi);
+    fold_position = 1.0 - std::acos(1.0 / s) / (2.0 * kPi);
     fold_force = kLargestForce * std::sqrt(1.0 - 1.0 / (s * s));
-    const double pulled = driver(fold_place);
-    double low = 2.0 - fold_place;  // the next stable branch
-    double high = 1.0 + fold_place;
+    const double pulled = driver(fold_position);
+    double low = 2.0 - fold_position;  // the next stable branch
+    double high = 1.0 + fold_position;
     for (int pass = 0; pass < 100; ++pass) {
       const double middle = 0.5 * (low + high);
       (driver(middle) < pulled ? low : high) = middle;
@@ -50,8 +50,8 @@ struct QuasiStatic {
     const auto energy = [&](double x) {
       return 0.5 * k * (x - pulled) * (x - pulled) + kAmplitude * std::cos(2.0 * kPi * x);
     };
-    mean_force = (energy(fold_place) - energy(low)) / kPeriod;
-    slip = low - fold_place;
+    mean_force = (energy(fold_position) - energy(low)) / kPeriod;
+    slip = low - fold_position;
   }
 };
 
@@ -111,9 +111,9 @@ TEST(PrandtlTomlinson, LosesItsHoldAtTheFold) {
     const auto& force = trace["driver.force.x"];
     // The second time that the tip comes to the fold, in the well around 3a/2.
     std::size_t n = 0;
-    while (n + 1 < x.size() && x[n + 1] < 1.0 + slow.fold_place) ++n;
+    while (n + 1 < x.size() && x[n + 1] < 1.0 + slow.fold_position) ++n;
     ASSERT_LT(n + 1, x.size());
-    const double part = (1.0 + slow.fold_place - x[n]) / (x[n + 1] - x[n]);
+    const double part = (1.0 + slow.fold_position - x[n]) / (x[n + 1] - x[n]);
     beyond.push_back(force[n] + part * (force[n + 1] - force[n]) - slow.fold_force);
   }
   // At the fold the tip already moves: its drag, which falls as v^(2/3).

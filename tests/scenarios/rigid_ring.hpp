@@ -19,24 +19,24 @@ struct RigidRing {
   bool turns = true;
   double reverse_above = HUGE_VAL;  ///< the driver turns back once, when the centre is past this
 
-  struct Place {
+  struct Sample {
     double x, y, rotation;
     double force_x, force_y;  ///< of the driver
     double driver;            ///< where it is
     double work;              ///< that it has done
   };
 
-  /// The places at 0, `interval`, ..., with `steps` steps in each interval.
-  std::vector<Place> trace(int intervals, double interval, int steps) const {
+  /// The positions at 0, `interval`, ..., with `steps` steps in each interval.
+  std::vector<Sample> trace(int intervals, double interval, int steps) const {
     State s = {0.0, radius, 0.0, 0.0, 0.0, 0.0, 0.0};
     Driver driver = {0.0, 0.0, velocity};
-    std::vector<Place> places = {place(s, driver, 0.0)};
+    std::vector<Sample> samples = {sample(s, driver, 0.0)};
     const double h = interval / steps;
     for (int n = 0; n < intervals; ++n) {
       for (int j = 0; j < steps; ++j) s = advanced(s, driver, interval * n + h * j, h);
-      places.push_back(place(s, driver, interval * (n + 1)));
+      samples.push_back(sample(s, driver, interval * (n + 1)));
     }
-    return places;
+    return samples;
   }
 
  private:
@@ -49,7 +49,7 @@ struct RigidRing {
     double at(double t) const { return from + velocity * (t - since); }
   };
 
-  Place place(const State& s, const Driver& driver, double t) const {
+  Sample sample(const State& s, const Driver& driver, double t) const {
     const double along = driver.at(t);
     return {s[0], s[1], s[2], stiffness * (along - s[0]), stiffness * (radius - s[1]), along, s[6]};
   }

@@ -18,7 +18,7 @@ struct Phase {
   double length = 0.0;    ///< that the driver moves meanwhile
   double advance = 0.0;   ///< of the centre
   double rotation = 0.0;  ///< counter-clockwise positive
-  double slope = 0.0;     ///< mean of |dF/dX|, force over place of the driver
+  double slope = 0.0;     ///< mean of |dF/dX|, force over position of the driver
 };
 
 /// The phases of one period, in order, from where the ring first sets out to roll in the last two
@@ -57,15 +57,15 @@ inline std::vector<Phase> phases_of_a_period(const Trace& trace, double radius, 
 /// Largest factor by which the slope |dF/dX| changes within `window` of X, evenly sampled. The
 /// steeper of the two slopes must be at least half the mean slope: where a smooth curve turns
 /// round, its slope passes through 0, and that is no kink.
-inline double sharpest_kink(const std::vector<double>& place, const std::vector<double>& force,
+inline double sharpest_kink(const std::vector<double>& position, const std::vector<double>& force,
                             double window) {
   std::vector<double> slope;
   double mean = 0.0;
-  for (std::size_t n = 1; n < place.size(); ++n) {
-    slope.push_back(std::abs((force[n] - force[n - 1]) / (place[n] - place[n - 1])));
-    mean += slope.back() / static_cast<double>(place.size() - 1);
+  for (std::size_t n = 1; n < position.size(); ++n) {
+    slope.push_back(std::abs((force[n] - force[n - 1]) / (position[n] - position[n - 1])));
+    mean += slope.back() / static_cast<double>(position.size() - 1);
   }
-  const auto apart = static_cast<std::size_t>(std::lround(window / (place[1] - place[0])));
+  const auto apart = static_cast<std::size_t>(std::lround(window / (position[1] - position[0])));
   double sharpest = 1.0;
   for (std::size_t n = 0; n + apart < slope.size(); ++n) {
     const auto [flat, steep] = std::minmax(slope[n], slope[n + apart]);

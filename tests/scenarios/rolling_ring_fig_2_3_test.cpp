@@ -80,30 +80,30 @@ TEST(RollingRingFig2, DoesNotTurn) {
 
 /// Fig. 3
 
-/// Force of the driver over its place, there and back, and the work it has done.
+/// Force of the driver over its position, there and back, and the work it has done.
 struct Hysteresis {
   static constexpr std::size_t kEightPeriods = 800;  // samples
 
-  std::vector<double> place, force;
+  std::vector<double> position, force;
   double work = 0.0;
 
   explicit Hysteresis(const char* scene, const std::vector<Setting>& settings = {}) {
     Trace trace;
     work = *run_shipped(scene, settings, &trace).driver(0)["work"];
-    place = trace["driver.position.x"];
+    position = trace["driver.position.x"];
     force = trace["driver.force.x"];
   }
 
   std::size_t turn() const {
-    const auto furthest = std::max_element(place.begin(), place.end());
-    return static_cast<std::size_t>(furthest - place.begin());
+    const auto furthest = std::max_element(position.begin(), position.end());
+    return static_cast<std::size_t>(furthest - position.begin());
   }
 
   /// Between the branches, from where the driver set out to where it turned round.
   double area() const {
     double area = 0.0;
-    for (std::size_t n = 1; n < place.size() && place[n] >= 0.0; ++n) {
-      area += 0.5 * (force[n] + force[n - 1]) * (place[n] - place[n - 1]);
+    for (std::size_t n = 1; n < position.size() && position[n] >= 0.0; ++n) {
+      area += 0.5 * (force[n] + force[n - 1]) * (position[n] - position[n - 1]);
     }
     return area;
   }
@@ -116,7 +116,7 @@ struct Hysteresis {
   }
 };
 
-/// Largest difference of force at the same sample; their drivers are at the same place.
+/// Largest difference of force at the same sample; their drivers are at the same position.
 double difference(const Hysteresis& a, const Hysteresis& b) {
   double largest = 0.0;
   for (std::size_t n = 0; n < a.force.size(); ++n) {
@@ -137,10 +137,10 @@ TEST(RollingRingFig3, IsTheRingThatIsMovedByHand) {
   ring.reverse_above = 10.0;
   Trace trace;
   const auto result = run_shipped(kFig3, {{"lambda", "0.01"}}, &trace);
-  const auto places = ring.trace(kSamples, 0.01 / ring.velocity, kSteps);
-  ASSERT_EQ(trace["time"].size(), places.size());
-  EXPECT_LT(difference_to(places, trace), kSameTrace);
-  EXPECT_NEAR(*result.driver(0)["work"] / places.back().work, 1.0, 1e-8);
+  const auto samples = ring.trace(kSamples, 0.01 / ring.velocity, kSteps);
+  ASSERT_EQ(trace["time"].size(), samples.size());
+  EXPECT_LT(difference_to(samples, trace), kSameTrace);
+  EXPECT_NEAR(*result.driver(0)["work"] / samples.back().work, 1.0, 1e-8);
   EXPECT_EQ(result.group("events")["driver_reversals"], 1u);
   // A driver that turns round a little later leaves another trace.
   ring.reverse_above += 0.01;
@@ -155,7 +155,7 @@ TEST(RollingRingFig3, BranchesAndLoopAreThoseOfATip) {
   EXPECT_LT(difference(ring, tip) / kLargestForce, kSameLoop);
   EXPECT_NEAR(ring.work / tip.work, 1.0, kSameLoop);
   EXPECT_NEAR(ring.area() / tip.area(), 1.0, kSameLoop);
-  EXPECT_NEAR(ring.place[ring.turn()] / tip.place[tip.turn()], 1.0, kSameLoop);
+  EXPECT_NEAR(ring.position[ring.turn()] / tip.position[tip.turn()], 1.0, kSameLoop);
   // The plain tip, of amplitude V0, is another: by (2 pi R/a)^2/4 = 1e-5 in the amplitude.
   const Hysteresis plain(kFig3Tip, {{"R", "0"}});
   EXPECT_GT(difference(ring, plain) / kLargestForce, 100.0 * kSameLoop);
@@ -198,7 +198,7 @@ TEST(RollingRingFig3, BranchesAreEachOthersMirrorImage) {
 }
 
 TEST(RollingRingFig3, LoopIsAsWideAsSlipsAreLossy) {
-  // For v -> 0 slips by single periods lose what is between the fold and the next place of rest.
+  // For v -> 0 slips by single periods lose what is between the fold and the next position of rest.
   const auto forward = [](const char* v) {
     return mean_force(run_shipped(kFig3, {{"v", v},
                                           {"run.duration", "16 * a / v"},

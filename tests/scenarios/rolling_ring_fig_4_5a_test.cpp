@@ -129,8 +129,8 @@ TEST(RollingRingFig4, ThresholdIsTheSumOverTheRing) {
   EXPECT_GT(std::abs(share(5, 0.5)) - std::abs(share(5, 0.5).real()), 0.01);
 }
 
-/// Largest u' of u' = s - u^3: a particle that a force growing with time drives through the place
-/// where its potential is flat up to the fourth power.
+/// Largest u' of u' = s - u^3: a particle that a force growing with time drives through the
+/// position where its potential is flat up to the fourth power.
 double fastest_through_a_cubic() {
   constexpr double kStep = 1e-3;
   const auto rate = [](double s, double u) { return s - u * u * u; };
@@ -188,7 +188,7 @@ TEST(RollingRingFig4, SmoothSlidingHasTheSpeedOfItsEquilibria) {
 }
 
 /// The path of equilibria of a ring too small to have a shape, with V0 = a = 1, from a well to the
-/// next top. F_y does not know the driver, so that the height gives the place: with the y_c that
+/// next top. F_y does not know the driver, so that the height gives the position: with the y_c that
 /// (18) has lost, cos(2 pi x) = k (y - R) exp(b y^2)/(2 b y).
 class Path {
  public:

@@ -59,14 +59,14 @@ TEST(RollingRingFig5, CostsLessWhenItMayNotTurn) {
 /// Largest distance, along an axis, of a particle to where it is in a ring moved by hand.
 double difference_of_particles(const RigidRing& ring, const Trace& trace, int steps) {
   const auto& samples = trace["ring.rotation"];
-  const auto places =
+  const auto points =
       ring.trace(static_cast<int>(samples.size()) - 1, 0.005 / ring.velocity, steps);
   double largest = 0.0;
-  for (std::size_t n = 0; n < samples.size(); ++n) {
+  for (std::size_t n = 0; n < points.size(); ++n) {
     for (std::size_t i = 0; i < kParticles; ++i) {
-      const double angle = 2.0 * kPi * static_cast<double>(i) / kParticles + places[n].rotation;
-      const double x = places[n].x + ring.radius * std::cos(angle);
-      const double y = places[n].y + ring.radius * std::sin(angle);
+      const double angle = 2.0 * kPi * static_cast<double>(i) / kParticles + points[n].rotation;
+      const double x = points[n].x + ring.radius * std::cos(angle);
+      const double y = points[n].y + ring.radius * std::sin(angle);
       largest = std::max(
           {largest, std::abs(trace.position(n, i, 0) - x), std::abs(trace.position(n, i, 1) - y)});
     }

@@ -103,14 +103,14 @@ TEST(RollingRingFig7, HasKinksWhenSlowAndNoneWhenFast) {
 }
 
 TEST(RollingRingFig7, AKinkIsSeenAndATurningPointIsNone) {
-  std::vector<double> place, wave, saw;
+  std::vector<double> position, wave, saw;
   for (int n = 0; n <= 500; ++n) {
-    place.push_back(0.002 * n);
-    wave.push_back(std::sin(2.0 * kPi * place.back()));
-    saw.push_back(n < 400 ? place.back() : 4.0 * (1.0 - place.back()));  // slopes 1 and -4
+    position.push_back(0.002 * n);
+    wave.push_back(std::sin(2.0 * kPi * position.back()));
+    saw.push_back(n < 400 ? position.back() : 4.0 * (1.0 - position.back()));  // slopes 1 and -4
   }
-  EXPECT_LT(sharpest_kink(place, wave, 0.01), 1.5);
-  EXPECT_NEAR(sharpest_kink(place, saw, 0.01), 4.0, 1e-9);
+  EXPECT_LT(sharpest_kink(position, wave, 0.01), 1.5);
+  EXPECT_NEAR(sharpest_kink(position, saw, 0.01), 4.0, 1e-9);
 }
 
 /// Fig. 8

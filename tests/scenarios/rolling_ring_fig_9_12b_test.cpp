@@ -74,7 +74,9 @@ TEST(RollingRingFig9, SmallestRingIsPulledDownToTheSubstrate) {
   run_shipped(kFig9, {{"R", "0.001"}}, &trace);
   const auto x = steady(trace["ring.centre_of_mass.x"]);
   const auto y = steady(trace["ring.centre_of_mass.y"]);
-  const auto from_middle = [](double place) { return std::abs(place - std::floor(place) - 0.5); };
+  const auto from_middle = [](double position) {
+    return std::abs(position - std::floor(position) - 0.5);
+  };
   std::size_t middle = 0;
   for (std::size_t n = 0; n < x.size(); ++n) {
     if (from_middle(x[n]) < from_middle(x[middle])) middle = n;

@@ -48,21 +48,22 @@ inline Trace two_periods(const char* scene, std::vector<Setting> settings) {
   return trace;
 }
 
-/// Largest difference of a trace to the same ring moved by hand, over places, rotation and forces.
-inline double difference_to(const std::vector<RigidRing::Place>& places, const Trace& trace) {
+/// Largest difference of a trace to the same ring moved by hand, over positions, rotation and
+/// forces.
+inline double difference_to(const std::vector<RigidRing::Sample>& samples, const Trace& trace) {
   double largest = 0.0;
-  const auto look = [&](const char* column, double RigidRing::Place::*quantity) {
+  const auto look = [&](const char* column, double RigidRing::Sample::*quantity) {
     const auto& values = trace[column];
-    for (std::size_t n = 0; n < places.size(); ++n) {
-      largest = std::max(largest, std::abs(values[n] - places[n].*quantity));
+    for (std::size_t n = 0; n < samples.size(); ++n) {
+      largest = std::max(largest, std::abs(values[n] - samples[n].*quantity));
     }
   };
-  look("ring.centre_of_mass.x", &RigidRing::Place::x);
-  look("ring.centre_of_mass.y", &RigidRing::Place::y);
-  look("ring.rotation", &RigidRing::Place::rotation);
-  look("driver.force.x", &RigidRing::Place::force_x);
-  look("driver.force.y", &RigidRing::Place::force_y);
-  look("driver.position.x", &RigidRing::Place::driver);
+  look("ring.centre_of_mass.x", &RigidRing::Sample::x);
+  look("ring.centre_of_mass.y", &RigidRing::Sample::y);
+  look("ring.rotation", &RigidRing::Sample::rotation);
+  look("driver.force.x", &RigidRing::Sample::force_x);
+  look("driver.force.y", &RigidRing::Sample::force_y);
+  look("driver.position.x", &RigidRing::Sample::driver);
   return largest;
 }
 
@@ -72,8 +73,8 @@ inline double difference_to(const RigidRing& ring, const Trace& trace, int steps
   return difference_to(ring.trace(intervals, 0.01 / ring.velocity, steps), trace);
 }
 
-// Runs at 1e-10 per step, by hand at 2e-2 and less per step of fourth order; a slip, where places
-// change by 0.1 per unit of time, turns an error of its moment into one of place.
+// Runs at 1e-10 per step, by hand at 2e-2 and less per step of fourth order; a slip, where
+// positions change by 0.1 per unit of time, turns an error of its moment into one of position.
 inline constexpr double kSameTrace = 2e-6;
 
 /// The samples of one period in a run of `periods`: 0 is the first.

@@ -233,19 +233,19 @@ class SlippingTip {
     std::normal_distribution<double> normal;
     const double kept = std::exp(-0.5 * xi * kStep);
     const double kick = std::sqrt(temperature * (1.0 - kept * kept));
-    std::vector<double> places(static_cast<std::size_t>(periods / (v * kStep)));
+    std::vector<double> positions(static_cast<std::size_t>(periods / (v * kStep)));
     double x = 0.5;
     double u = 0.0;
-    for (std::size_t i = 0; i < places.size(); ++i) {
+    for (std::size_t i = 0; i < positions.size(); ++i) {
       const auto force = [&](std::size_t at) {
         return k * (support(at) - x) + 2.0 * kPi * kV0 * std::sin(2.0 * kPi * x);
       };
-      places[i] = x;
+      positions[i] = x;
       u = kept * u + kick * normal(random) + 0.5 * kStep * force(i);
       x += kStep * u;
       u = kept * (u + 0.5 * kStep * force(i + 1)) + kick * normal(random);
     }
-    return places;
+    return positions;
   }
 };
 

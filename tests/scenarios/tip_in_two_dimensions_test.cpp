@@ -60,7 +60,7 @@ double direction_of_motion(double force, double angle) {
 }
 
 TEST(TipInTwoDimensions, MovesAlongTheLatticeWhateverTheForce) {
-  // Over 200 time units the place across is known to a lattice constant.
+  // Over 200 time units the position across is known to a lattice constant.
   constexpr double kLocked = 1.0 / 160.0;
   for (const double angle : {0.1, 0.3, 0.45}) {
     EXPECT_NEAR(direction_of_motion(1.5, angle), 0.0, kLocked) << angle;

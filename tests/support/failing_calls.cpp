@@ -111,10 +111,10 @@ ssize_t write(int file, const void* data, size_t size) {
   return half_is_left(size) ? next(file, data, size / 2) : -1;
 }
 
-ssize_t pwrite(int file, const void* data, size_t size, off_t place) {
+ssize_t pwrite(int file, const void* data, size_t size, off_t offset) {
   static auto* const next = real<ssize_t(int, const void*, size_t, off_t)>("pwrite");
-  if (!fails()) return next(file, data, size, place);
-  return half_is_left(size) ? next(file, data, size / 2, place) : -1;
+  if (!fails()) return next(file, data, size, offset);
+  return half_is_left(size) ? next(file, data, size / 2, offset) : -1;
 }
 
 int fsync(int file) {

@@ -20,7 +20,8 @@ namespace tomlin::test {
 /// left out.
 inline std::string brief(const Fault& fault) {
   std::string text;
-  if (fault.place.line > 0) text = fmt::format("{}:{} ", fault.place.line, fault.place.column);
+  if (fault.location.line > 0)
+    text = fmt::format("{}:{} ", fault.location.line, fault.location.column);
   text += fault.key;
   if (!fault.value.empty()) text += " = " + fault.value;
   text += fmt::format("{}[{}]", text.empty() || text.back() == ' ' ? "" : " ", id_of(fault.code));

@@ -19,7 +19,7 @@ inline bool has_lammps() {
   return found;
 }
 
-/// Energy, places (as if the box had no sides) and forces of atoms in the order of bodies and
+/// Energy, positions (as if the box had no sides) and forces of atoms in the order of bodies and
 /// particles, [atom][axis].
 struct LammpsState {
   double energy = 0.0;

@@ -132,9 +132,9 @@ class ManyForces {
     const std::size_t count = 1 + below(11);
     const Point centre = {uniform(-2.0, 2.0), uniform(-1.0, 1.0), uniform(-1.0, 1.0)};
     for (std::size_t i = 0; i < count; ++i) {
-      Point place{};
-      for (std::size_t d = 0; d < axes(); ++d) place[d] = centre[d] + uniform(-1.5, 1.5);
-      body.start.push_back(place);
+      Point position{};
+      for (std::size_t d = 0; d < axes(); ++d) position[d] = centre[d] + uniform(-1.5, 1.5);
+      body.start.push_back(position);
       body.mass.push_back(uniform(0.5, 2.0));
     }
     const bool moves = body.coordinates == "particles" || body.coordinates == "rigid";
@@ -269,7 +269,7 @@ class ManyForces {
     });
   }
 
-  /// A formula of places: V = c sin(1.1 x) (cos(0.7 y)).
+  /// A formula of positions: V = c sin(1.1 x) (cos(0.7 y)).
   void field(std::size_t b) {
     const double c = uniform(0.1, 0.5);
     forces_ += "type = \"expression\"\nenergy = \"" + digits(c) + " * sin(1.1*x)" +
@@ -284,7 +284,7 @@ class ManyForces {
     });
   }
 
-  /// A formula of velocities, places and time.
+  /// A formula of velocities, positions and time.
   void flow(std::size_t b) {
     const double c = uniform(0.1, 0.5);
     static const char* const kAxes[] = {"x", "y", "z"};

@@ -9,7 +9,7 @@
 /// A driven, damped harmonic oscillator: the motion that is known at every moment.
 namespace tomlin::test {
 
-/// Place and velocity of one particle on a line.
+/// Position and velocity of one particle on a line.
 struct State {
   double x = 0.0;
   double v = 0.0;

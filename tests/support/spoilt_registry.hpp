@@ -17,8 +17,8 @@ class SpoiltRegistry {
                  void (*change)(ForceRecord&) = nullptr) {
     for (const auto& body : standard().bodies()) registry_.add(*body);
     for (const auto& scheme : standard().integrators()) registry_.add(*scheme);
-    for (const auto& sound : standard().forces()) {
-      ForceRecord record = *sound;
+    for (const auto& valid : standard().forces()) {
+      ForceRecord record = *valid;
       if (record.name == force && bind.in_double != nullptr) record.bind = bind;
       if (record.name == force && change != nullptr) change(record);
       registry_.add(std::move(record));

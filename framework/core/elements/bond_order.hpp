@@ -106,7 +106,7 @@ class NeighbourRows {
     arguments.work = work_.data();
   }
 
-  std::size_t place_of(std::size_t particle, std::size_t row) const {
+  std::size_t index_of(std::size_t particle, std::size_t row) const {
     return (row_start_[particle / kGroup] + row) * kGroup + particle % kGroup;
   }
 
@@ -114,11 +114,11 @@ class NeighbourRows {
     const std::span<const Entry> near = of(i);
     for (std::size_t k = 0; k < near.size(); ++k) {
       const Entry& neighbour = near[k];
-      const std::size_t place = place_of(i, k);
-      near_[place] = neighbour.particle;
+      const std::size_t index = index_of(i, k);
+      near_[index] = neighbour.particle;
       if (periodic_) {
         for (std::size_t d = 0; d < 3; ++d) {
-          shift_[d * slots * kGroup + place] = Real(list_.shift_of(neighbour)[d]);
+          shift_[d * slots * kGroup + index] = Real(list_.shift_of(neighbour)[d]);
         }
       }
       const std::span<const Entry> back = of(neighbour.particle);
@@ -126,8 +126,8 @@ class NeighbourRows {
           back.begin(), back.end(), i,
           [](const Entry& one, std::size_t particle) { return one.particle < particle; });
       if (me == back.end() || me->particle != i) continue;  // at the very edge of the list's reach
-      reverse_[place] = static_cast<std::int64_t>(
-          place_of(neighbour.particle, static_cast<std::size_t>(me - back.begin())));
+      reverse_[index] = static_cast<std::int64_t>(
+          index_of(neighbour.particle, static_cast<std::size_t>(me - back.begin())));
     }
   }
 
@@ -293,12 +293,12 @@ class BondOrderForce : public BoundForce<Real>, public CountsNeighbours, public 
 
   /// True for the stage by which a caller asks which elements there are.
   bool all_coincide(const Stage<Real>& stage) const {
-    const auto place = [&](std::size_t i) {
+    const auto position = [&](std::size_t i) {
       return vector_at<3, Real>(body_.slot, stage.position, stage.mapped_position, i);
     };
-    const Vec<Real, 3> first = place(0);
+    const Vec<Real, 3> first = position(0);
     for (std::size_t i = 1; i < body_.slot.count; ++i) {
-      const Vec<Real, 3> other = place(i);
+      const Vec<Real, 3> other = position(i);
       for (int d = 0; d < 3; ++d) {
         if (!(other[d] == first[d])) return false;
       }

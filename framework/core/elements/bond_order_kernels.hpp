@@ -13,8 +13,9 @@
 ///   zeta_ij = sum_k f_C(r_ik) g(cos theta_ijk) w(r_ij - r_ik),  k other than i and j
 ///
 /// An evaluator E gives f_C, f_R, f_A, b, g and w, each with its slope, for a number type T; the
-/// sums, and the derivatives with respect to places, are those below. All sums go over neighbours
-/// in ascending order. Those at which f_C is zero add zeros: what is listed beyond changes no bit.
+/// sums, and the derivatives with respect to positions, are those below. All sums go over
+/// neighbours in ascending order. Those at which f_C is zero add zeros: what is listed beyond
+/// changes no bit.
 namespace tomlin {
 inline namespace TOMLIN_TARGET {
 
@@ -221,8 +222,8 @@ constexpr std::size_t bond_order_work(std::size_t rows) {
 /// that the compiler knows.
 constexpr std::size_t kSheetRows = 3;
 
-/// The rows of each group of the particles from `begin` on, from their places, and their energies:
-/// use(first particle, first slot, rows, bonds, energy).
+/// The rows of each group of the particles from `begin` on, from their positions, and their
+/// energies: use(first particle, first slot, rows, bonds, energy).
 template <class E, class Real, class Use>
 TOMLIN_INLINE void for_groups_of_bonds(const BondOrderArguments<Real>& a, const Stage<Real>& stage,
                                        std::size_t begin, std::size_t end, std::size_t member,
@@ -237,7 +238,7 @@ TOMLIN_INLINE void for_groups_of_bonds(const BondOrderArguments<Real>& a, const 
   const std::size_t stride = a.body.stride;
   const std::size_t axis_length = a.slots * kGroup;
   const Group beyond(Real(2.0) * a.reach);
-  const auto place = [&](std::size_t i, std::size_t first, auto rows, BondRow<Group>* bonds) {
+  const auto set_bonds = [&](std::size_t i, std::size_t first, auto rows, BondRow<Group>* bonds) {
     const Group count = Group::load(a.neighbours + i);
     Vec<Group, 3> here;
     for (int d = 0; d < 3; ++d) here[d] = Group::load(x + d * stride + i);
@@ -262,14 +263,14 @@ TOMLIN_INLINE void for_groups_of_bonds(const BondOrderArguments<Real>& a, const 
       const std::integral_constant<std::size_t, kSheetRows> three;
       BondRow<Group> bonds[kSheetRows];
       AngleRow<Group> angles[kSheetRows * kSheetRows];
-      place(i, first, three, bonds);
+      set_bonds(i, first, three, bonds);
       use(i, first, three, bonds,
           bond_order_energy<E, Group>(three, bonds, angles, OneSpecies<P>{all, false}));
       continue;
     }
     auto* const bonds = reinterpret_cast<BondRow<Group>*>(a.work + member * a.work_apart);
     auto* const angles = reinterpret_cast<AngleRow<Group>*>(bonds + rows);
-    place(i, first, rows, bonds);
+    set_bonds(i, first, rows, bonds);
     if (uniform) {
       use(i, first, rows, bonds,
           bond_order_energy<E, Group>(rows, bonds, angles, OneSpecies<P>{all, a.weighted}));

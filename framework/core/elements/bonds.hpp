@@ -49,10 +49,10 @@ std::vector<Complaint> bond_complaints(const void* description, const SceneOutli
   const auto& d = *static_cast<const Description*>(description);
   std::vector<Complaint> found;
   const std::size_t given = d.rest_lengths.numbers.size();
-  const std::uint64_t due = count_of(d.pairs, scene);
-  if (given > 1 && given != due) {
+  const std::uint64_t expected = count_of(d.pairs, scene);
+  if (given > 1 && given != expected) {
     found.push_back({.key = "rest_lengths",
-                     .why = fmt::format("{} lengths for {} pairs", given, due),
+                     .why = fmt::format("{} lengths for {} pairs", given, expected),
                      .admissible = "\"initial\", one length for all pairs, or one each",
                      .code = FaultCode::scene_wrong_count});
   }
@@ -112,8 +112,8 @@ void set_rest_lengths(const WordOrNumbers& rest, const Binding<Real>& binding,
       pairs[k].datum = distance(separation_at_start<Real, D>(binding, pairs[k]));
     } else {
       pairs[k].datum = Real(rest.numbers[rest.numbers.size() == 1 ? 0 : k]);
-      // On a line the kernels take either side for granted. In one place there is none: no number,
-      // so that the first step fails.
+      // On a line the kernels take either side for granted. Where the two coincide there is none:
+      // no number, so that the first step fails.
       const bool coincide =
           D == 1 && separation_at_start<Real, D>(binding, pairs[k])[0] == Real(0.0);
       if (coincide && pairs[k].datum != Real(0.0)) pairs[k].datum = Real(__builtin_nan(""));

@@ -75,7 +75,7 @@ TOMLIN_INLINE T distance(const Vec<T, D>& separation) {
 }
 
 /// The force on the first particle of a pair that is pulled towards the second by `tension`
-/// (dV/dr; negative: pushed away). `r` is the distance between them. In one place a pair without
+/// (dV/dr; negative: pushed away). `r` is the distance between them. A coincident pair without
 /// tension does not pull, and one with tension has no direction: that is no number.
 template <class T, int D>
 TOMLIN_INLINE Vec<T, D> pull(const Vec<T, D>& separation, const T& r, const T& tension) {

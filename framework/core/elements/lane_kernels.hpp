@@ -37,7 +37,7 @@ struct LaneParticles {
     return (static_cast<std::size_t>(axis) * count + particle) * width;
   }
   template <int D>
-  TOMLIN_INLINE Vec<Pack, D> place(std::size_t particle) const {
+  TOMLIN_INLINE Vec<Pack, D> position_of(std::size_t particle) const {
     Vec<Pack, D> x;
     for (int d = 0; d < D; ++d) x[d] = Pack::load(position + at(d, particle));
     return x;
@@ -122,7 +122,7 @@ TOMLIN_FLATTEN void site_over_lanes(const void* arguments, const Stage<double>& 
     for (std::size_t i = 0; i < count; ++i) {
       if constexpr (varied) p = in_lanes<SiteParameters<E, Pack, D>>(numbers + i * w, apart);
       Site<Pack, D> site;
-      site.position = body.place<D>(i);
+      site.position = body.position_of<D>(i);
       for (int d = 0; d < D; ++d) {
         if constexpr (E::reads.velocity)
           site.velocity[d] = Pack::load(body.velocity + body.at(d, i));
@@ -170,7 +170,7 @@ TOMLIN_FLATTEN void heat_over_lanes(const void* arguments, const Stage<double>& 
     for (std::size_t i = 0; i < count; ++i) {
       if constexpr (varied) p = in_lanes<SiteParameters<E, Pack, D>>(numbers + i * w, apart);
       Site<Pack, D> site;
-      site.position = body.place<D>(i);
+      site.position = body.position_of<D>(i);
       for (int d = 0; d < D; ++d) site.velocity[d] = Pack::load(body.velocity + body.at(d, i));
       site.elapsed = elapsed_in(stage, lane);
       site.frame = p.frame;
@@ -239,7 +239,7 @@ TOMLIN_FLATTEN void centre_over_lanes(const void* arguments, const Stage<double>
       for (int d = 0; d < D; ++d) {
         put_lanes(l.set, stage.force + at + static_cast<std::size_t>(d) * w, force[d]);
       }
-      // A planar body's rotation stands behind its place.
+      // A planar body's rotation stands behind its position.
       if constexpr (D == 2) put_lanes(l.set, stage.force + at + 2 * w, Pack(0.0));
     } else {
       for (int d = 0; d < D; ++d) {
@@ -306,14 +306,14 @@ TOMLIN_FLATTEN void cyclic_over_lanes(const void* arguments, const Stage<double>
     const auto p = in_lanes<typename E::template Parameters<Pack, D>>(numbers, w);
     // Forces are added in the order of one run: forwards by rows, then backwards from the furthest.
     for (std::size_t i = 0; i < count; ++i) {
-      const Vec<Pack, D> here = body.place<D>(i);
+      const Vec<Pack, D> here = body.position_of<D>(i);
       const std::size_t evaluated = is_halved && i >= count / 2 ? rows - 1 : rows;
       Vec<Pack, D> total;
       for (int d = 0; d < D; ++d) total[d] = Pack(0.0);
       for (std::size_t row = 0; row < evaluated; ++row) {
         const std::size_t j = i + row + 1 < count ? i + row + 1 : i + row + 1 - count;
-        const Vec<Pack, D> force =
-            pair_in_lanes<E, D>(p, body.place<D>(j) - here, data + (row * row_stride + i) * w);
+        const Vec<Pack, D> force = pair_in_lanes<E, D>(p, body.position_of<D>(j) - here,
+                                                       data + (row * row_stride + i) * w);
         for (int d = 0; d < D; ++d) {
           force[d].store(result + at(row, d, i));
           total[d] += force[d];
@@ -362,14 +362,15 @@ TOMLIN_FLATTEN void chain_over_lanes(const void* arguments, const Stage<double>&
         image[d] = Pack::load(body.position + body.at(d, 0)) +
                    Pack::load(wrap + static_cast<std::size_t>(d) * w);
       }
-      closing = pair_in_lanes<E, D>(p, image - body.place<D>(count - 1), data + (count - 1) * w);
+      closing =
+          pair_in_lanes<E, D>(p, image - body.position_of<D>(count - 1), data + (count - 1) * w);
     }
     Vec<Pack, D> behind = closing;
-    Vec<Pack, D> here = body.place<D>(0);
+    Vec<Pack, D> here = body.position_of<D>(0);
     for (std::size_t i = 0; i < count; ++i) {
       Vec<Pack, D> force = closing;
       if (i + 1 < count) {
-        const Vec<Pack, D> next = body.place<D>(i + 1);
+        const Vec<Pack, D> next = body.position_of<D>(i + 1);
         force = pair_in_lanes<E, D>(p, next - here, data + i * w);
         here = next;
       }
@@ -399,7 +400,7 @@ TOMLIN_FLATTEN void pair_list_over_lanes(const void* arguments, const Stage<doub
     double* result = l.scratch + lane;
     const auto p = in_lanes<typename E::template Parameters<Pack, D>>(numbers, w);
     for (std::size_t k = 0; k < a.pairs; ++k) {
-      Vec<Pack, D> apart = second.place<D>(a.j[k]) - first.place<D>(a.i[k]);
+      Vec<Pack, D> apart = second.position_of<D>(a.j[k]) - first.position_of<D>(a.i[k]);
       for (int d = 0; d < D; ++d) {
         const auto axis = static_cast<std::size_t>(d);
         if (a.image) apart[d] = apart[d] + Pack::load(image + (axis * row_length + k) * w);

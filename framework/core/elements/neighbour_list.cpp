@@ -23,23 +23,23 @@ struct NearPair {
 std::optional<NearPair> nearest_pair(const StartingParticles& one, const StartingParticles& other,
                                      int dimension, const std::array<double, 3>& box,
                                      double least) {
-  const std::size_t count = other.place.size();
-  std::vector<double> places(static_cast<std::size_t>(dimension) * count);
+  const std::size_t count = other.positions.size();
+  std::vector<double> positions(static_cast<std::size_t>(dimension) * count);
   for (std::size_t j = 0; j < count; ++j) {
-    for (int d = 0; d < dimension; ++d) places[d * count + j] = other.place[j][d];
+    for (int d = 0; d < dimension; ++d) positions[d * count + j] = other.positions[j][d];
   }
   NeighbourSearch search(dimension, least, box);
-  search.sort(places, count);
+  search.sort(positions, count);
   std::optional<NearPair> nearest;
   std::vector<Neighbour> found;
-  for (std::size_t i = 0; i < one.place.size(); ++i) {
-    const std::array<double, 3>& here = one.place[i];
+  for (std::size_t i = 0; i < one.positions.size(); ++i) {
+    const std::array<double, 3>& here = one.positions[i];
     search.find(here, found);
     for (const Neighbour& near : found) {
       if (one.body == other.body && near.particle == i) continue;
       double squared = 0.0;
       for (int d = 0; d < dimension; ++d) {
-        const double apart = (places[d * count + near.particle] - here[d]) + near.shift[d];
+        const double apart = (positions[d * count + near.particle] - here[d]) + near.shift[d];
         squared += apart * apart;
       }
       const double apart = std::sqrt(squared);
@@ -58,14 +58,14 @@ std::optional<int> plane_passed(const StartingParticles& flat, const StartingPar
   const auto range = [](const StartingParticles& body, int axis) {
     double low = std::numeric_limits<double>::infinity();
     double high = -low;
-    for (const std::array<double, 3>& place : body.place) {
-      low = std::min(low, place[axis]);
-      high = std::max(high, place[axis]);
+    for (const std::array<double, 3>& position : body.positions) {
+      low = std::min(low, position[axis]);
+      high = std::max(high, position[axis]);
     }
     return std::array{low, high};
   };
   constexpr std::size_t kFewest = 3;  // that span a plane
-  if (flat.place.size() < kFewest) return std::nullopt;
+  if (flat.positions.size() < kFewest) return std::nullopt;
   for (int axis = 0; axis < 3; ++axis) {
     const auto [low, high] = range(flat, axis);
     if (!(high - low <= kFlat * least)) continue;

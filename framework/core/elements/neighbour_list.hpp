@@ -20,7 +20,7 @@
 /// Neighbour lists of forces with a cutoff. A list holds all pairs within the cutoff and a skin
 /// around it, and is made again when particles have moved by so much that a pair which is not in it
 /// may have come within the cutoff. What a force makes of a list depends on the pairs within the
-/// cutoff alone, so that no list is part of a run's state, and any place can be evaluated.
+/// cutoff alone, so that no list is part of a run's state, and any position can be evaluated.
 namespace tomlin {
 
 /// The skin, in parts of the cutoff.
@@ -69,8 +69,8 @@ std::size_t bytes_of(const Vector& vector) {
 struct StartingParticles {
   std::size_t body = 0;
   std::string name;
-  const std::vector<std::array<double, 3>>& place;  ///< [particle][axis]
-  const std::vector<std::int32_t>& species;         ///< indices of names; empty: it has none
+  const std::vector<std::array<double, 3>>& positions;  ///< [particle][axis]
+  const std::vector<std::int32_t>& species;             ///< indices of names; empty: it has none
   std::span<const std::string> species_names;
 };
 
@@ -89,29 +89,29 @@ std::string name_of(const StartingParticles& body, std::size_t particle);
 void check_distances(const StartingParticles& one, const StartingParticles& other, int dimension,
                      const std::array<double, 3>& box, double least, const std::string& why);
 
-/// Places of a body's particles at which a list was made.
+/// Positions of a body's particles at which a list was made.
 ///
 /// Two particles of a body that never moves show whether it is where it was: a stage has it where
-/// the model puts it, which changes with the origin, or where whoever asks at places of its own has
-/// put it. It is compared as a whole, as others always are, where one of the two is elsewhere.
+/// the model puts it, which changes with the origin, or where whoever asks at positions of its own
+/// has put it. It is compared as a whole, as others always are, where one of the two is elsewhere.
 template <class Real>
-class ListedPlaces {
+class ListedPositions {
  public:
-  ListedPlaces(const BoundBody<Real>& body, int dimension)
+  ListedPositions(const BoundBody<Real>& body, int dimension)
       : body_(body.slot), fixed_(body.coordinates == Coordinates::fixed), dimension_(dimension) {}
 
   /// Returns the positions of all particles at a stage.
   void take(const Stage<Real>& stage) {
     const Real* x = first_of(stage);
-    places_.resize(static_cast<std::size_t>(dimension_) * body_.count);
+    positions_.resize(static_cast<std::size_t>(dimension_) * body_.count);
     for (int d = 0; d < dimension_; ++d) {
       const Real* from = x + d * body_.stride;
-      double* to = places_.data() + d * body_.count;
+      double* to = positions_.data() + d * body_.count;
       for (std::size_t i = 0; i < body_.count; ++i) to[i] = static_cast<double>(from[i]);
     }
   }
 
-  /// How far a particle has moved since then, at most; infinite where one is, or was, at a place
+  /// How far a particle has moved since then, at most; infinite where one is, or was, at a position
   /// that is no finite number, as trial steps may have it: what is listed there lacks its pairs.
   double largest_move(const Stage<Real>& stage) const {
     const Real* x = first_of(stage);
@@ -123,7 +123,7 @@ class ListedPlaces {
       double squared[kGroup] = {};
       for (int d = 0; d < dimension_; ++d) {
         const Real* now = x + d * body_.stride + first;
-        const double* then = places_.data() + d * body_.count + first;
+        const double* then = positions_.data() + d * body_.count + first;
         for (std::size_t l = 0; l < particles; ++l) {
           const double move = static_cast<double>(now[l]) - then[l];
           squared[l] += move * move;
@@ -145,12 +145,12 @@ class ListedPlaces {
 
   std::size_t count() const { return body_.count; }
   /// [axis][particle]
-  const std::vector<double>& all() const { return places_; }
-  std::size_t bytes() const { return bytes_of(places_); }
+  const std::vector<double>& all() const { return positions_; }
+  std::size_t bytes() const { return bytes_of(positions_); }
   std::array<double, 3> of(std::size_t particle) const {
-    std::array<double, 3> place{};
-    for (int d = 0; d < dimension_; ++d) place[d] = places_[d * body_.count + particle];
-    return place;
+    std::array<double, 3> position{};
+    for (int d = 0; d < dimension_; ++d) position[d] = positions_[d * body_.count + particle];
+    return position;
   }
 
  private:
@@ -161,7 +161,7 @@ class ListedPlaces {
     bool same = true;
     for (int d = 0; d < dimension_; ++d) {
       same = same && static_cast<double>(x[d * body_.stride + particle]) ==
-                         places_[d * body_.count + particle];
+                         positions_[d * body_.count + particle];
     }
     return same;
   }
@@ -169,7 +169,7 @@ class ListedPlaces {
   BodySlot<Real> body_;
   bool fixed_;
   int dimension_;
-  std::vector<double> places_;
+  std::vector<double> positions_;
 };
 
 /// When the list of neighbours that particles of one body have in another, or in the same, has to
@@ -181,7 +181,7 @@ class NeighbourFinder {
                   const ListReach& list, const std::array<double, 3>& box)
       : same_(one.index == other.index),
         slack_(list.slack),
-        places_(one, dimension),
+        positions_(one, dimension),
         others_(other, dimension),
         search_(dimension, list.reach, box) {}
 
@@ -189,13 +189,13 @@ class NeighbourFinder {
   bool begin(const Stage<Real>& stage) {
     double others_moved = 0.0;
     if (valid_) {
-      const double moved = places_.largest_move(stage);
+      const double moved = positions_.largest_move(stage);
       others_moved = same_ ? moved : others_.largest_move(stage);
       if (moved + others_moved < slack_) return false;
     }
-    places_.take(stage);
+    positions_.take(stage);
     if (same_) {
-      search_.sort(places_.all(), places_.count());
+      search_.sort(positions_.all(), positions_.count());
     } else if (!valid_ || others_moved > 0.0) {
       others_.take(stage);
       search_.sort(others_.all(), others_.count());
@@ -206,7 +206,7 @@ class NeighbourFinder {
 
   /// The neighbours of a particle, itself left out, in ascending order.
   const std::vector<Neighbour>& of(std::size_t particle) {
-    search_.find(places_.of(particle), found_);
+    search_.find(positions_.of(particle), found_);
     if (!same_) return found_;
     const auto itself = std::find_if(found_.begin(), found_.end(), [&](const Neighbour& near) {
       return near.particle == particle;
@@ -215,15 +215,15 @@ class NeighbourFinder {
     return found_;
   }
 
-  std::size_t count() const { return places_.count(); }
-  std::size_t bytes() const { return places_.bytes() + others_.bytes() + search_.bytes(); }
+  std::size_t count() const { return positions_.count(); }
+  std::size_t bytes() const { return positions_.bytes() + others_.bytes() + search_.bytes(); }
 
  private:
   bool same_;
   double slack_;
   bool valid_ = false;
-  ListedPlaces<Real> places_;
-  ListedPlaces<Real> others_;
+  ListedPositions<Real> positions_;
+  ListedPositions<Real> others_;
   NeighbourSearch search_;
   std::vector<Neighbour> found_;
 };
@@ -273,16 +273,16 @@ class DualList {
         kinds_(cutoffs.kinds),
         wide_(cutoffs, kInnerSkin),
         tight_(cutoffs, kTightSkin),
-        places_(body, dimension),
+        positions_(body, dimension),
         finder_(body, body, dimension, outer_list(cutoffs.longest()), box),
         near_start_(body.slot.count + 1, 0) {}
 
   /// True where a neighbour is new or gone.
   bool update(const Stage<Real>& stage) {
     const double slack = is_tight_ ? tight_.slack : wide_.slack;
-    if (valid_ && 2.0 * places_.largest_move(stage) < slack) return false;
+    if (valid_ && 2.0 * positions_.largest_move(stage) < slack) return false;
     valid_ = true;
-    places_.take(stage);
+    positions_.take(stage);
     const bool searched = finder_.begin(stage);
     if (searched) search();
     const bool changed = choose() || searched;
@@ -290,7 +290,7 @@ class DualList {
     return changed;
   }
 
-  std::size_t count() const { return places_.count(); }
+  std::size_t count() const { return positions_.count(); }
   /// In ascending order.
   std::span<const Entry> of(std::size_t particle) const {
     return {near_.data() + near_start_[particle],
@@ -298,7 +298,7 @@ class DualList {
   }
   const std::array<double, 3>& shift_of(const Entry& near) const { return shifts_[near.shift]; }
   std::size_t bytes() const {
-    return places_.bytes() + finder_.bytes() + bytes_of(outer_start_) + bytes_of(outer_) +
+    return positions_.bytes() + finder_.bytes() + bytes_of(outer_start_) + bytes_of(outer_) +
            bytes_of(within_) + bytes_of(is_near_) + bytes_of(near_start_) + bytes_of(near_) +
            shifts_.bytes();
   }
@@ -337,12 +337,12 @@ class DualList {
     double wide_work = 0.0;
     double tight_work = 0.0;
     for (std::size_t i = 0; i < count(); ++i) {
-      const std::array<double, 3> here = places_.of(i);
+      const std::array<double, 3> here = positions_.of(i);
       const std::size_t kinds_of_i = static_cast<std::size_t>(kind_[i]) * kinds_;
       double wide = 0.0;
       double tight = 0.0;
       for (std::size_t k = outer_start_[i]; k < outer_start_[i + 1]; ++k) {
-        const std::array<double, 3> there = places_.of(outer_[k].particle);
+        const std::array<double, 3> there = positions_.of(outer_[k].particle);
         const std::array<double, 3>& shift = shifts_[outer_[k].shift];
         double squared = 0.0;
         for (std::size_t d = 0; d < 3; ++d) {
@@ -387,7 +387,7 @@ class DualList {
   Skin tight_;
   bool is_tight_ = false;
   bool valid_ = false;
-  ListedPlaces<Real> places_;
+  ListedPositions<Real> positions_;
   NeighbourFinder<Real> finder_;
   ImageShifts shifts_;
   std::vector<std::uint32_t> outer_start_;  ///< [particle + 1]

@@ -55,14 +55,14 @@ int NeighbourSearch::ranges_around(int axis, double x, std::array<Range, 2>& ran
   return 1;
 }
 
-void NeighbourSearch::sort(const std::vector<double>& places, std::size_t count) {
+void NeighbourSearch::sort(const std::vector<double>& positions, std::size_t count) {
   entries_.clear();
   for (std::size_t i = 0; i < count; ++i) {
     Entry entry;
     entry.particle = static_cast<std::uint32_t>(i);
     bool finite = true;
     for (int d = dimension_ - 1; d >= 0; --d) {
-      const double x = places[static_cast<std::size_t>(d) * count + i];
+      const double x = positions[static_cast<std::size_t>(d) * count + i];
       finite = finite && std::isfinite(x);
       if (!finite) break;
       entry.cell = (entry.cell << kBits) | static_cast<std::uint64_t>(cell_along(d, x));
@@ -70,22 +70,22 @@ void NeighbourSearch::sort(const std::vector<double>& places, std::size_t count)
     if (finite) entries_.push_back(entry);
   }
   std::sort(entries_.begin(), entries_.end());
-  places_.resize(entries_.size());
+  positions_.resize(entries_.size());
   for (std::size_t k = 0; k < entries_.size(); ++k) {
     for (int d = 0; d < dimension_; ++d) {
-      places_[k][d] = places[static_cast<std::size_t>(d) * count + entries_[k].particle];
+      positions_[k][d] = positions[static_cast<std::size_t>(d) * count + entries_[k].particle];
     }
   }
 }
 
-void NeighbourSearch::find(const std::array<double, 3>& place,
+void NeighbourSearch::find(const std::array<double, 3>& position,
                            std::vector<Neighbour>& found) const {
   found.clear();
   std::array<std::array<Range, 2>, 3> ranges{};
   std::array<int, 3> count = {1, 1, 1};
   for (int d = 0; d < dimension_; ++d) {
-    if (!std::isfinite(place[d])) return;
-    count[d] = ranges_around(d, place[d], ranges[d]);
+    if (!std::isfinite(position[d])) return;
+    count[d] = ranges_around(d, position[d], ranges[d]);
   }
   const double reach_squared = reach_ * reach_;
   const auto look_through = [&](std::uint64_t first, std::uint64_t last) {
@@ -97,7 +97,7 @@ void NeighbourSearch::find(const std::array<double, 3>& place,
       Neighbour near;
       double squared = 0.0;
       for (int d = 0; d < dimension_; ++d) {
-        double apart = places_[k][d] - place[d];
+        double apart = positions_[k][d] - position[d];
         // Within the reach, at most half of a box, it is the nearest image already.
         if (cells_[d] > 0 && !(std::abs(apart) < reach_)) {
           near.shift[d] = -box_[d] * std::floor(apart / box_[d] + 0.5);

@@ -9,7 +9,7 @@
 /// those around it are searched. The work grows linearly with the number of particles.
 namespace tomlin {
 
-/// A particle within reach of a place x, and the image of it: its way from x is
+/// A particle within reach of a position x, and the image of it: its way from x is
 /// (x_j - x) + shift, with whole lengths of the box.
 struct Neighbour {
   std::uint32_t particle = 0;
@@ -24,16 +24,16 @@ class NeighbourSearch {
  public:
   NeighbourSearch(int dimension, double reach, const std::array<double, 3>& box);
 
-  /// The particles that are found from now on: x of all, then y, then z. Those whose place is no
+  /// The particles that are found from now on: x of all, then y, then z. Those whose position is no
   /// finite number are near nothing.
-  void sort(const std::vector<double>& places, std::size_t count);
+  void sort(const std::vector<double>& positions, std::size_t count);
 
-  /// All within the reach of a place, itself too where it is one of them, in ascending order.
-  void find(const std::array<double, 3>& place, std::vector<Neighbour>& found) const;
+  /// All within the reach of a position, itself too where it is one of them, in ascending order.
+  void find(const std::array<double, 3>& position, std::vector<Neighbour>& found) const;
 
   /// That its tables take.
   std::size_t bytes() const {
-    return entries_.size() * sizeof(Entry) + places_.size() * sizeof(places_.front());
+    return entries_.size() * sizeof(Entry) + positions_.size() * sizeof(positions_.front());
   }
 
  private:
@@ -59,8 +59,8 @@ class NeighbourSearch {
       return cell != other.cell ? cell < other.cell : particle < other.particle;
     }
   };
-  std::vector<Entry> entries_;                 ///< by cell, along x first
-  std::vector<std::array<double, 3>> places_;  ///< of the entries
+  std::vector<Entry> entries_;                    ///< by cell, along x first
+  std::vector<std::array<double, 3>> positions_;  ///< of the entries
 };
 
 }  // namespace tomlin

@@ -285,11 +285,11 @@ class ExpressionParser {
     if (!close(open)) return false;
     leave();
     if (count < function.fewest_arguments || count > function.most_arguments) {
-      const std::string due =
+      const std::string expected =
           std::to_string(function.fewest_arguments) +
           (function.most_arguments > function.fewest_arguments ? " or more" : "");
-      return fail(column, in_quotes(function.name) + " takes " + due +
-                              (due == "1" ? " argument, not " : " arguments, not ") +
+      return fail(column, in_quotes(function.name) + " takes " + expected +
+                              (expected == "1" ? " argument, not " : " arguments, not ") +
                               std::to_string(count));
     }
     emit(Op::call, column, static_cast<std::uint32_t>(count), index);

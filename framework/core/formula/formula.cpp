@@ -143,7 +143,7 @@ bool FormulaLaw::is_parameter(std::size_t component, std::string_view name) cons
                      [&](const auto& one) { return one.first == name; });
 }
 
-std::optional<FormulaLaw::Use> FormulaLaw::place_of(std::uint32_t index) const {
+std::optional<FormulaLaw::Use> FormulaLaw::use_of(std::uint32_t index) const {
   for (std::size_t k = 0; k < parts_.size(); ++k) {
     for (const Expression::Name& used : parts_[k].names()) {
       if (used.name != formula_variable_name(index) || is_parameter(k, used.name)) continue;
@@ -206,9 +206,9 @@ FormulaGraph::Id FormulaLaw::build(FormulaGraph& graph, std::size_t component,
   }
   for (std::uint32_t index = 0; index <= variable::time; ++index) {
     FormulaGraph::Id node = graph.variable(index);
-    const bool is_place =
+    const bool is_position =
         index < variable::velocity || (index >= variable::centre && index < variable::distance);
-    if (is_place && moves[index % 3]) {
+    if (is_position && moves[index % 3]) {
       node = graph.add(node, graph.variable(variable::origin + index % 3));
     }
     names[formula_variable_name(index)] = node;
@@ -317,7 +317,7 @@ std::optional<FormulaLaw::Trouble> FormulaLaw::trouble_at(const Values& at) cons
 
 std::string FormulaLaw::why_no_period(const Values& about, std::uint32_t along, double length,
                                       int periods) const {
-  constexpr int kPlaces = 4;             // in a period
+  constexpr int kPoints = 4;             // in a period
   constexpr double kPart = 0.252439024;  // of a length between them: no symmetry links all
   constexpr double kUnlike = 1e-9;       // of how much the formula changes there
   constexpr double kRounding = 1e-13;    // of its size, and of a phase in periods
@@ -326,7 +326,7 @@ std::string FormulaLaw::why_no_period(const Values& about, std::uint32_t along, 
       double at, here, there;
     };
     std::vector<Pair> seen;
-    for (int k = -kPlaces * periods; k < kPlaces * periods; ++k) {
+    for (int k = -kPoints * periods; k < kPoints * periods; ++k) {
       Values at = about;
       at[along] += k * kPart * length;
       Values after = at;

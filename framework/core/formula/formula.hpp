@@ -69,13 +69,13 @@ class FormulaLaw {
   FormulaLaw(const Formula& energy, const FormulaList& force);
 
   bool has_energy() const { return is_energy_; }
-  bool uses(std::uint32_t variable) const { return place_of(variable).has_value(); }
+  bool uses(std::uint32_t variable) const { return use_of(variable).has_value(); }
   /// The first use: which component, and the column in its text.
   struct Use {
     std::size_t component;
     std::size_t column;
   };
-  std::optional<Use> place_of(std::uint32_t variable) const;
+  std::optional<Use> use_of(std::uint32_t variable) const;
   FormulaElement element() const;
   bool depends_on_time() const { return uses(formula_variable::time); }
   bool depends_on_velocity() const;
@@ -117,7 +117,7 @@ class FormulaLaw {
   std::optional<Trouble> trouble_at(const Values& at) const;
 
   /// Why `length` is no period along a variable, as seen over so many periods to either side of a
-  /// place: "..." does not repeat: ... Empty when nothing is seen.
+  /// position: "..." does not repeat: ... Empty when nothing is seen.
   std::string why_no_period(const Values& about, std::uint32_t along, double length,
                             int periods) const;
 

@@ -117,7 +117,7 @@ struct FormulaAngleArguments {
   const std::size_t* particle = nullptr;  ///< [3][padded angles]: end, middle, end
   const Real* image = nullptr;  ///< [2][axis][padded angles], added to the two bonds; null: none
   Real* result = nullptr;       ///< scratch [3][axis][padded angles]
-  /// For each particle: its triples in row order, as 3 * triple + place.
+  /// For each particle: its triples in row order, as 3 * triple + index in it.
   const std::size_t* row_start = nullptr;
   const std::size_t* row = nullptr;
   int dimension = 0;

@@ -67,13 +67,13 @@ class FormulaProgram {
     view.output_count = outputs_.size();
     view.patches = patches_.data();
     view.patch_count = patches_.size();
-    if (in_time) view.time = uniforms_.data() + kGroup * code_.place_of_uniform(kTimeUniform);
+    if (in_time) view.time = uniforms_.data() + kGroup * code_.index_of_uniform(kTimeUniform);
     view.start_of_time = &start_of_time;
     return view;
   }
 
   void set_origin(int axis, Real value) {
-    set(code_.place_of_uniform(kOriginUniform + static_cast<std::size_t>(axis)), value);
+    set(code_.index_of_uniform(kOriginUniform + static_cast<std::size_t>(axis)), value);
   }
 
  private:
@@ -109,7 +109,7 @@ class FormulaProgram {
       }
     }
   }
-  /// An output's register may be another place altogether when nothing reads it after the last
+  /// An output's register may be another one altogether when nothing reads it after the last
   /// instruction that writes it, which makes the output.
   FormulaOutput<Real> output_of(FormulaSlot slot) {
     FormulaOutput<Real> made;
@@ -191,16 +191,16 @@ class FormulaForce : public BoundForce<Real> {
     start_of_time_ = from_double_double<Real>(time);
   }
 
-  /// With a period, positions are counted from a place where the formula is as at the scene's zero:
-  /// exact however far away the origin is.
+  /// With a period, positions are counted from a position where the formula is as at the scene's
+  /// zero: exact however far away the origin is.
   void rebase(const Origin& origin) override {
     for (int axis = 0; axis < dimension_; ++axis) {
       if (!(origin.unit[axis] > 0.0)) continue;
-      const DoubleDouble place =
+      const DoubleDouble position =
           DoubleDouble(static_cast<double>(origin.cells[axis])) * DoubleDouble(origin.unit[axis]);
       std::int64_t periods = 0;
-      base_[axis] = period_[axis] > 0.0 ? Real(remainder_of(place, period_[axis], periods))
-                                        : from_double_double<Real>(place);
+      base_[axis] = period_[axis] > 0.0 ? Real(remainder_of(position, period_[axis], periods))
+                                        : from_double_double<Real>(position);
       for (FormulaProgram<Real>* program : {&force_, &energy_, &curvature_, &power_}) {
         if (!program->empty()) program->set_origin(axis, base_[axis]);
       }
@@ -235,21 +235,22 @@ class FormulaForce : public BoundForce<Real> {
     FormulaLaw::Values at{};
     at[formula_variable::index] = static_cast<double>(particle);
     at[formula_variable::count] = static_cast<double>(count_);
-    std::string places;
+    std::string positions;
     for (std::size_t k = 0; k < coordinates(); ++k) {
       const std::uint32_t index = codes_.inputs[k];
       double value = static_cast<double>(inputs[k]);
-      const bool is_place =
+      const bool is_position =
           index < formula_variable::velocity ||
           (index >= formula_variable::centre && index < formula_variable::distance);
-      if (is_place) value += static_cast<double>(base_[index % 3]);
+      if (is_position) value += static_cast<double>(base_[index % 3]);
       at[index] = value;
-      places += fmt::format("{}{} = {:.6g}", places.empty() ? "" : ", ",
-                            formula_variable_name(index), value);
+      positions += fmt::format("{}{} = {:.6g}", positions.empty() ? "" : ", ",
+                               formula_variable_name(index), value);
     }
     at[formula_variable::time] = static_cast<double>(start_of_time_ + elapsed);
     if (law_.depends_on_time()) {
-      places += fmt::format("{}t = {:.6g}", places.empty() ? "" : ", ", at[formula_variable::time]);
+      positions +=
+          fmt::format("{}t = {:.6g}", positions.empty() ? "" : ", ", at[formula_variable::time]);
     }
     if (numbers) {
       // Parts that were simplified away, 0/0 say, are evaluated as they are written.
@@ -272,15 +273,17 @@ class FormulaForce : public BoundForce<Real> {
     complaint.why =
         fmt::format("\"{}\"{} has no finite value for {}, where {}: {}", law_.text(complaint.index),
                     found ? fmt::format(", column {},", found->column + 1) : std::string(), of,
-                    places, found ? found->why : std::string("its numbers overflow"));
+                    positions, found ? found->why : std::string("its numbers overflow"));
     return complaint;
   }
 
   /// Complaint about a declared period that is none about this position.
   std::optional<Complaint> no_period(const FormulaLaw::Values& about, int periods) const {
     for (const std::uint32_t index : codes_.inputs) {
-      const bool is_place = index < formula_variable::velocity || index >= formula_variable::centre;
-      if (!is_place || index >= formula_variable::distance || !(period_[index % 3] > 0.0)) continue;
+      const bool is_position =
+          index < formula_variable::velocity || index >= formula_variable::centre;
+      if (!is_position || index >= formula_variable::distance || !(period_[index % 3] > 0.0))
+        continue;
       Complaint complaint;
       complaint.key = "period";
       complaint.why = law_.why_no_period(about, index, period_[index % 3], periods);
@@ -445,7 +448,7 @@ class ParticleFormula final : public FormulaForce<Real> {
   }
 
  private:
-  /// Places along each period at which the curvature is looked at first, and steps of the search
+  /// Positions along each period at which the curvature is looked at first, and steps of the search
   /// about the largest.
   static constexpr int kSamples = 64;
   static constexpr int kSearch = 40;
@@ -516,17 +519,17 @@ class ParticleFormula final : public FormulaForce<Real> {
       const std::size_t i = row % rows;
       aside_ = apart * kSamples * kHeight[row / rows];
       double most = -1.0;
-      double place = 0.0;
+      double peak = 0.0;
       for (int k = 0; k < kSamples; ++k) {
         const double here = curvature_at(i, k * apart);
         if (here <= most) continue;
         most = here;
-        place = k * apart;
+        peak = k * apart;
       }
       if (differs && most < kWorthwhile * largest_curvature_) continue;
       // By thirds: between the neighbours of the largest there is one hill.
-      double low = place - apart;
-      double high = place + apart;
+      double low = peak - apart;
+      double high = peak + apart;
       for (int k = 0; k < kSearch; ++k) {
         const double third = (high - low) / 3.0;
         if (curvature_at(i, low + third) < curvature_at(i, high - third)) {
@@ -960,9 +963,9 @@ class AngleFormula final : public FormulaForce<Real> {
     std::vector<std::vector<std::size_t>> rows(body_.slot.count);
     for (std::size_t k = 0; k < length; ++k) {
       const IndexTriple& angle = angles_[std::min(k, angles_.size() - 1)];
-      for (std::size_t place = 0; place < 3; ++place) {
-        particle_[place * length + k] = angle[place];
-        if (k < angles_.size()) rows[angle[place]].push_back(3 * k + place);
+      for (std::size_t index = 0; index < 3; ++index) {
+        particle_[index * length + k] = angle[index];
+        if (k < angles_.size()) rows[angle[index]].push_back(3 * k + index);
       }
     }
     row_start_.push_back(0);

@@ -234,7 +234,7 @@ TOMLIN_INLINE void pull_pairs(const FormulaPairArguments<Real>& a, const Real* c
     const Group tension = output(a.code, inputs, 0, k);
     Group scale = tension;
     if (a.dimension > 1) {
-      // In one place a pair whose energy is level there does not pull; any other has no direction.
+      // A coincident pair whose energy is level there does not pull; any other has no direction.
       const Group distance = Group::load(block.distance + k * kGroup);
       const auto level = (distance == Group(Real(0.0))) & (tension == Group(Real(0.0)));
       scale = select(level, Group(Real(0.0)), tension / distance);
@@ -426,8 +426,8 @@ void formula_angle_kernel(const void* arguments, const Stage<Real>& stage) {
       Real total(0.0);
       for (std::size_t k = a.row_start[i]; k < a.row_start[i + 1]; ++k) {
         const std::size_t angle = a.row[k] / 3;
-        const std::size_t place = a.row[k] % 3;
-        total += a.result[(place * axes + d) * length + angle];
+        const std::size_t index = a.row[k] % 3;
+        total += a.result[(index * axes + d) * length + angle];
       }
       f[d * a.body.stride + i] += total;
     }

@@ -304,7 +304,8 @@ FormulaGraph::Id FormulaGraph::in_turns(Id angle) {
   return has_phase(turns) ? turns : function(Function::phase, {turns});
 }
 
-/// A sum of small multiples of variables: no place or time that a run reaches has too many turns.
+/// A sum of small multiples of variables: no position or time that a run reaches has too many
+/// turns.
 bool FormulaGraph::has_phase(Id id) const {
   constexpr Quad kMostPerUnit = 1024.0;
   const Node& node = nodes_[id];

@@ -238,7 +238,7 @@ void join_factors(std::vector<Value>& values, const std::vector<std::size_t>& ou
   }
 }
 
-/// Gives values their places: uniforms one each, blocks a register for as long as they are needed.
+/// Gives values their slots: uniforms one each, blocks a register for as long as they are needed.
 class Placing {
  public:
   Placing(const std::vector<Value>& values, const std::vector<std::size_t>& outputs,
@@ -279,7 +279,7 @@ class Placing {
     if (value.from == Value::From::block) return {FormulaSlot::Area::inputs, index};
     if (value.from == Value::From::constant) return {FormulaSlot::Area::uniforms, index};
     return {FormulaSlot::Area::uniforms,
-            static_cast<std::uint16_t>(code_.place_of_uniform(value.index))};
+            static_cast<std::uint16_t>(code_.index_of_uniform(value.index))};
   }
 
   void emit(std::size_t v) {

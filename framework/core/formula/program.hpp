@@ -86,7 +86,7 @@ struct FormulaCode {
   std::vector<FormulaSlot> outputs;  ///< of the nodes, in their order
 
   /// Index of uniform variable k among the uniforms.
-  std::size_t place_of_uniform(std::size_t k) const { return constants.size() + k; }
+  std::size_t index_of_uniform(std::size_t k) const { return constants.size() + k; }
   bool fits() const { return registers <= kMostRegisters && uniforms <= kMostUniforms; }
 };
 

@@ -1,6 +1,6 @@
 // DoubleDouble: an unevaluated sum of two doubles, about 106 bits.
 //
-// For clocks, which add a small step very often, and for places far from the origin, whose
+// For clocks, which add a small step very often, and for positions far from the origin, whose
 // remainder within a cell must not lose digits.
 #pragma once
 

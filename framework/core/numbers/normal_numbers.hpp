@@ -10,7 +10,7 @@
 #include "framework/core/numbers/random.hpp"
 
 /// Normal numbers, with the same bits on every instruction set: they depend on their key and their
-/// place alone (random.hpp).
+/// counter alone (random.hpp).
 ///
 ///   z = sqrt(-2 log u) cos(2 pi w),  z' = sqrt(-2 log u) sin(2 pi w)
 ///
@@ -31,9 +31,9 @@ TOMLIN_INLINE void box_muller(const double* u, const double* w, Pack& z, Pack& o
 }
 
 /// `length` numbers, a multiple of a group, of mean 0 and variance 1. In each group only the first
-/// `used` are wanted: the others are some numbers. The blocks of a place count in its c.
+/// `used` are wanted: the others are some numbers. The blocks of a counter count in its c.
 template <class Real>
-TOMLIN_INLINE void fill_normals(const RandomKey& key, RandomPlace place, std::size_t length,
+TOMLIN_INLINE void fill_normals(const RandomKey& key, RandomCounter counter, std::size_t length,
                                 std::size_t used, Real* numbers) {
   constexpr std::size_t kAtOnce = kLanes;       // a group
   constexpr std::size_t kBlocks = kAtOnce / 2;  // for two groups of numbers
@@ -52,8 +52,8 @@ TOMLIN_INLINE void fill_normals(const RandomKey& key, RandomPlace place, std::si
       for (std::size_t k = 0; k < kAtOnce; ++k) numbers[from + k] = Real(part[k]);
     }
   };
-  for (std::size_t i = 0; i < length; i += 2 * kAtOnce, place.c += kBlocks) {
-    uniform_pairs(key, place, std::min(used, kAtOnce), radius, angle);
+  for (std::size_t i = 0; i < length; i += 2 * kAtOnce, counter.c += kBlocks) {
+    uniform_pairs(key, counter, std::min(used, kAtOnce), radius, angle);
     Pack z;
     Pack other;
     box_muller(radius, angle, z, other);

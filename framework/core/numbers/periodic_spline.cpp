@@ -70,12 +70,12 @@ double largest_difference(const PeriodicSpline& spline, Quantity quantity, doubl
                           double shift_v) {
   const std::size_t rows = spline.rows();
   const std::size_t columns = spline.columns();
-  std::vector<double> due = spline.values();
+  std::vector<double> expected = spline.values();
   const auto along_u = trigonometric_weights(rows, shift_u, quantity == Quantity::slope_u);
-  for (std::size_t n = 0; n < columns; ++n) apply(along_u, due.data() + n, columns);
+  for (std::size_t n = 0; n < columns; ++n) apply(along_u, expected.data() + n, columns);
   if constexpr (axes == 2) {
     const auto along_v = trigonometric_weights(columns, shift_v, quantity == Quantity::slope_v);
-    for (std::size_t m = 0; m < rows; ++m) apply(along_v, due.data() + m * columns, 1);
+    for (std::size_t m = 0; m < rows; ++m) apply(along_v, expected.data() + m * columns, 1);
   }
   double largest = 0.0;
   for (std::size_t m = 0; m < rows; ++m) {
@@ -85,11 +85,11 @@ double largest_difference(const PeriodicSpline& spline, Quantity quantity, doubl
       if constexpr (axes == 2) {
         periods[1] = (static_cast<double>(n) + shift_v) / static_cast<double>(columns);
       }
-      const SplinePlace<double, axes> place(periods, spline.table());
+      const SplinePoint<double, axes> point(periods, spline.table());
       const double found = quantity == Quantity::value
-                               ? place.value()
-                               : place.gradient()[quantity == Quantity::slope_v];
-      largest = std::max(largest, std::abs(found - due[m * columns + n]));
+                               ? point.value()
+                               : point.gradient()[quantity == Quantity::slope_v];
+      largest = std::max(largest, std::abs(found - expected[m * columns + n]));
     }
   }
   return largest;

@@ -15,14 +15,14 @@
 ///
 ///   f(u, v) = sum_kl c_kl B(M u - k) B(N v - l),   f(m/M, n/N) = value[m][n]
 ///
-///   u, v  the place in periods
+///   u, v  the position in periods
 ///   M, N  rows and columns of the grid
 ///   B     cubic B-spline: B(0) = 2/3, B(+-1) = 1/6, 0 from +-2 on
 ///   c     coefficients, periodic; from the values by a recursive filter along each axis
 ///
 /// Source: M. Unser, IEEE Signal Process. Mag. 16(6) (1999) 22, doi:10.1109/79.799930, box 2, here
 /// with the sums of its filter over all periods.
-/// Valid for any place. Of a smooth function the error falls with the fourth power of the spacing
+/// Valid at any point. Of a smooth function the error falls with the fourth power of the spacing
 /// of the grid, that of its slopes with the third.
 namespace tomlin {
 
@@ -35,7 +35,7 @@ class PeriodicSpline {
   std::size_t columns() const { return columns_; }
   const std::vector<double>& values() const { return values_; }
 
-  /// Table for SplinePlace: rows, columns, then the coefficients divided by 36, three more on each
+  /// Table for SplinePoint: rows, columns, then the coefficients divided by 36, three more on each
   /// axis than the grid has points: those for the cell (m, n) stand from (m, n) on.
   const double* table() const { return table_.data(); }
 
@@ -66,17 +66,17 @@ inline constexpr int kSplineHead = 2;  ///< numbers of the table before the coef
 
 inline namespace TOMLIN_TARGET {
 
-/// A place of a spline, from the table of that: on one axis u, or on both.
+/// A point of a spline, from the table of that: on one axis u, or on both.
 template <class T, int axes>
-class SplinePlace {
+class SplinePoint {
  public:
-  TOMLIN_INLINE SplinePlace(const Vec<T, axes>& periods, const double* table) : table_(table) {
+  TOMLIN_INLINE SplinePoint(const Vec<T, axes>& periods, const double* table) : table_(table) {
     for (int axis = 0; axis < axes; ++axis) {
       const T cells(static_cast<Scalar<T>>(table[axis]));
-      const T place = (periods[axis] - floor(periods[axis])) * cells;
+      const T position = (periods[axis] - floor(periods[axis])) * cells;
       // Rounding may make a whole period of what is just below.
-      first_[axis] = min(floor(place), cells - T(1.0));
-      const T f = place - first_[axis];
+      first_[axis] = min(floor(position), cells - T(1.0));
+      const T f = position - first_[axis];
       const T g = T(1.0) - f;
       T* w = weight_[axis];
       w[0] = g * (g * g);
@@ -106,9 +106,9 @@ class SplinePlace {
   /// Sums of the coefficients times weights, `along` in place of those on each axis in turn.
   TOMLIN_INLINE Vec<T, axes> products(const T* along_u, const T* along_v) const {
     const double stride = table_[1] + 3.0;
-    T place = first_[0] * T(static_cast<Scalar<T>>(stride));
-    if constexpr (axes == 2) place = place + first_[1];
-    const TableIndex<T> cell(place);
+    T index = first_[0] * T(static_cast<Scalar<T>>(stride));
+    if constexpr (axes == 2) index = index + first_[1];
+    const TableIndex<T> cell(index);
     Vec<T, axes> sum;
     for (int axis = 0; axis < axes; ++axis) sum[axis] = T(0.0);
     for (int m = 0; m < 4; ++m) {

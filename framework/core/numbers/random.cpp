@@ -21,11 +21,11 @@ std::uint64_t stream_of(std::string_view name, std::uint64_t repeat) {
 
 namespace {
 
-r123::Philox4x64::ctr_type draw(const RandomKey& key, const RandomPlace& place) {
+r123::Philox4x64::ctr_type draw(const RandomKey& key, const RandomCounter& counter) {
   r123::Philox4x64 generator;
-  const r123::Philox4x64::ctr_type counter = {{place.a, place.b, place.c, place.d}};
+  const r123::Philox4x64::ctr_type block = {{counter.a, counter.b, counter.c, counter.d}};
   const r123::Philox4x64::key_type words = {{key.seed, key.stream}};
-  return generator(counter, words);
+  return generator(block, words);
 }
 
 /// The middle of one of 2^52 equal parts of (0, 1): exact, and never an end.
@@ -33,10 +33,10 @@ double uniform(std::uint64_t word) { return static_cast<double>(word >> 12) * 0x
 
 }  // namespace
 
-void uniform_pairs(const RandomKey& key, const RandomPlace& place, std::size_t count, double* first,
-                   double* second) {
+void uniform_pairs(const RandomKey& key, const RandomCounter& counter, std::size_t count,
+                   double* first, double* second) {
   for (std::size_t k = 0; k < count; k += 2) {
-    const auto bits = draw(key, {place.a, place.b, place.c + k / 2, place.d});
+    const auto bits = draw(key, {counter.a, counter.b, counter.c + k / 2, counter.d});
     for (std::size_t j = 0; j < 2 && k + j < count; ++j) {
       first[k + j] = uniform(bits[2 * j]);
       second[k + j] = uniform(bits[2 * j + 1]);
@@ -44,13 +44,13 @@ void uniform_pairs(const RandomKey& key, const RandomPlace& place, std::size_t c
   }
 }
 
-std::pair<double, double> uniform_pair(const RandomKey& key, const RandomPlace& place) {
-  const auto bits = draw(key, place);
+std::pair<double, double> uniform_pair(const RandomKey& key, const RandomCounter& counter) {
+  const auto bits = draw(key, counter);
   return {uniform(bits[0]), uniform(bits[1])};
 }
 
-double uniform_symmetric(const RandomKey& key, const RandomPlace& place) {
-  const std::uint64_t bits = draw(key, place)[0];
+double uniform_symmetric(const RandomKey& key, const RandomCounter& counter) {
+  const std::uint64_t bits = draw(key, counter)[0];
   // The middle of one of 2^53 equal parts of (-1, 1): exact, and never an end.
   return static_cast<double>(static_cast<std::int64_t>(bits) >> 11) * 0x1p-52 + 0x1p-53;
 }

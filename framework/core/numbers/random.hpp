@@ -5,8 +5,9 @@
 #include <string_view>
 #include <utility>
 
-/// Random numbers that depend on nothing but their key and their place: the counter-based generator
-/// Philox 4x64-10 (Salmon, Moraes, Dror, Shaw, SC '11, doi:10.1145/2063384.2063405; Random123).
+/// Random numbers that depend on nothing but their key and their counter: the counter-based
+/// generator Philox 4x64-10 (Salmon, Moraes, Dror, Shaw, SC '11, doi:10.1145/2063384.2063405;
+/// Random123).
 namespace tomlin {
 
 struct RandomKey {
@@ -15,7 +16,7 @@ struct RandomKey {
 };
 
 /// Position in the stream: e.g. step, particle, stage. Never mix a seed into it.
-struct RandomPlace {
+struct RandomCounter {
   std::uint64_t a = 0;
   std::uint64_t b = 0;
   std::uint64_t c = 0;
@@ -30,13 +31,13 @@ std::uint64_t stream_of(std::string_view name, std::uint64_t repeat);
 
 /// Pairs of independent numbers, uniform in (0, 1): pair k is half of the block at {a, b, c + k/2,
 /// d}.
-void uniform_pairs(const RandomKey& key, const RandomPlace& place, std::size_t count, double* first,
-                   double* second);
+void uniform_pairs(const RandomKey& key, const RandomCounter& counter, std::size_t count,
+                   double* first, double* second);
 
 /// Two independent numbers, uniform in (0, 1).
-std::pair<double, double> uniform_pair(const RandomKey& key, const RandomPlace& place);
+std::pair<double, double> uniform_pair(const RandomKey& key, const RandomCounter& counter);
 
 /// Uniform in (-1, 1), symmetric about zero.
-double uniform_symmetric(const RandomKey& key, const RandomPlace& place);
+double uniform_symmetric(const RandomKey& key, const RandomCounter& counter);
 
 }  // namespace tomlin

@@ -10,16 +10,16 @@
 namespace tomlin {
 inline namespace TOMLIN_TARGET {
 
-// Places in a table of doubles, from whole numbers between 0 and 2^53. What is no number means the
-// first place.
+// Indices in a table of doubles, from whole numbers between 0 and 2^53. What is no number means the
+// first index.
 template <class T>
 class TableIndex {
  public:
   TOMLIN_INLINE explicit TableIndex(const T& index) {
     if constexpr (kScalar) {
-      place_[0] = whole(index);
+      index_[0] = whole(index);
     } else {
-      for (int i = 0; i < kLanes; ++i) place_[i] = whole(index.lane(i));
+      for (int i = 0; i < kLanes; ++i) index_[i] = whole(index.lane(i));
     }
   }
 
@@ -27,10 +27,10 @@ class TableIndex {
   TOMLIN_INLINE T of(const double* table) const {
     using Real = Scalar<T>;
     if constexpr (kScalar) {
-      return T(static_cast<Real>(table[place_[0]]));
+      return T(static_cast<Real>(table[index_[0]]));
     } else {
       alignas(64) Real picked[kLanes];
-      for (int i = 0; i < kLanes; ++i) picked[i] = static_cast<Real>(table[place_[i]]);
+      for (int i = 0; i < kLanes; ++i) picked[i] = static_cast<Real>(table[index_[i]]);
       return T::load(picked);
     }
   }
@@ -42,7 +42,7 @@ class TableIndex {
     return number >= 0.0 ? static_cast<std::ptrdiff_t>(number) : 0;
   }
 
-  std::ptrdiff_t place_[kScalar ? 1 : kLanes];
+  std::ptrdiff_t index_[kScalar ? 1 : kLanes];
 };
 
 // By its value: the table's numbers have no derivative.

@@ -43,11 +43,12 @@ std::vector<Parameter> with_body_parameters(std::vector<Parameter> own) {
                                 "at rest by default")
                     .or_absent()
                     .for_each_particle());
-  own.push_back(parameter_of<D>("displacement", &BodyDescription::displacement, dimension::length,
-                                "from the places of the body's shape at the start: one vector for "
-                                "all particles, or one each; none by default")
-                    .or_absent()
-                    .for_each_particle());
+  own.push_back(
+      parameter_of<D>("displacement", &BodyDescription::displacement, dimension::length,
+                      "from the positions of the body's shape at the start: one vector for "
+                      "all particles, or one each; none by default")
+          .or_absent()
+          .for_each_particle());
   own.push_back(
       parameter_of<D>("start_temperature", &BodyDescription::start_temperature,
                       dimension::temperature,

@@ -29,11 +29,11 @@ struct Origin {
   std::array<double, 3> unit{};  ///< length of a cell: the longest period declared; 0: never moves
 };
 
-/// A place of the scene relative to its origin, to the last digit.
-inline double relative_to(const Origin& origin, int axis, double place) {
+/// A position of the scene relative to its origin, to the last digit.
+inline double relative_to(const Origin& origin, int axis, double position) {
   const DoubleDouble shift =
       DoubleDouble(static_cast<double>(origin.cells[axis])) * origin.unit[axis];
-  return static_cast<double>(DoubleDouble(place) - shift);
+  return static_cast<double>(DoubleDouble(position) - shift);
 }
 
 /// A body as forces see it when they bind.
@@ -99,8 +99,8 @@ class HessianSink {
   /// d2V / ds_a ds_b, s the separation of two particles.
   virtual void pair(std::size_t body1, std::size_t particle1, std::size_t body2,
                     std::size_t particle2, int a, int b, double value) = 0;
-  /// d2V / dx_a dy_b, x and y the places of two different particles (y_b with x_a comes as a call
-  /// of its own): what forces among three or more are made of, besides site().
+  /// d2V / dx_a dy_b, x and y the positions of two different particles (y_b with x_a comes as a
+  /// call of its own): what forces among three or more are made of, besides site().
   virtual void block(std::size_t body1, std::size_t particle1, int a, std::size_t body2,
                      std::size_t particle2, int b, double value) = 0;
   /// d2V / dc_a dc_b, c the weighted mean of a body's particles.

@@ -76,8 +76,8 @@ struct IntegratorRecord : ComponentRecord {
 
   /// Growth factor |R(z)| on y' = lambda y, z = h lambda; stable where it does not exceed 1.
   double (*growth)(std::complex<double> z) = nullptr;
-  /// In its place, for a scheme that is no function of h lambda: the largest step for an oscillator
-  /// of this angular frequency and damping rate.
+  /// Instead of it, for a scheme that is no function of h lambda: the largest step for an
+  /// oscillator of this angular frequency and damping rate.
   double (*stable_step)(double frequency, double damping_rate) = nullptr;
   /// The finest tolerance that an adaptive scheme is asked to keep; null for a fixed one.
   double (*tolerance)(const void* description) = nullptr;

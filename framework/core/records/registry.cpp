@@ -130,11 +130,11 @@ void Registry::add(ObserverRecord record) {
   const auto comes_with = [](auto* list, auto* writes) {
     return (list != nullptr) == (writes != nullptr);
   };
-  const bool sound = record.complaints != nullptr && comes_with(record.columns, record.observe) &&
+  const bool valid = record.complaints != nullptr && comes_with(record.columns, record.observe) &&
                      comes_with(record.integrals, record.integrands) &&
                      comes_with(record.results, record.conclude);
   const bool any = record.columns || record.integrals || record.step;
-  require(sound && any && (record.step || !(record.events || record.state_size)), record,
+  require(valid && any && (record.step || !(record.events || record.state_size)), record,
           "function");
   observers_.push_back(std::make_unique<ObserverRecord>(std::move(record)));
 }

@@ -36,7 +36,7 @@ InstructionSet named(const std::string& wish) {
   if (const auto set = value_named<InstructionSet>(wish)) return *set;
   const std::vector<std::string> names = words_of<InstructionSet>();
   Fault fault(FaultCode::machine_instruction_set);
-  fault.place.file = "tomlin";
+  fault.location.file = "tomlin";
   fault.key = kVariable;
   fault.value = wish;
   fault.why = "not an instruction set with kernels";

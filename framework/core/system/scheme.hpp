@@ -13,7 +13,7 @@
 /// The contract of integrators.
 namespace tomlin {
 
-/// How a step ended. Failures are values: the run loop adds place and cause.
+/// How a step ended. Failures are values: the run loop adds position and cause.
 enum class StepFault {
   none,
   not_finite_or_too_far,  ///< a coordinate left the finite numbers or moved too far in one step

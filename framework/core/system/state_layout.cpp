@@ -102,9 +102,9 @@ std::vector<std::byte> RunState::to_bytes() const {
 }
 
 void RunState::from_bytes(const std::vector<std::byte>& bytes) {
-  const std::size_t due =
+  const std::size_t expected =
       reals_.size() * sizeof(double) + integers_.size() * sizeof(std::int64_t) + raw_.size();
-  if (bytes.size() != due) {
+  if (bytes.size() != expected) {
     throw std::invalid_argument("the bytes are of a run state of another size");
   }
   const std::byte* next = bytes.data();

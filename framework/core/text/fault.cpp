@@ -39,12 +39,12 @@ std::string with_short_words(std::string text) {
 
 /// The line of a fault without a key, with a caret below the column; empty where it has none.
 std::string marked_line(const Fault& fault) {
-  if (!fault.key.empty() || fault.value.empty() || fault.place.column < 1) return "";
+  if (!fault.key.empty() || fault.value.empty() || fault.location.column < 1) return "";
   std::string blanks;
   int column = 1;
   for (const char c : fault.value) {
     if (is_utf8_continuation(c)) continue;
-    if (column++ == fault.place.column) break;
+    if (column++ == fault.location.column) break;
     blanks += c == '\t' ? '\t' : ' ';
   }
   return fmt::format("\n  {}\n  {}^", fault.value, blanks);
@@ -53,9 +53,9 @@ std::string marked_line(const Fault& fault) {
 }  // namespace
 
 std::string to_string(const Fault& fault) {
-  std::string text = with_short_words(fault.place.file);
-  if (fault.place.line > 0) {
-    text += ':' + std::to_string(fault.place.line) + ':' + std::to_string(fault.place.column);
+  std::string text = with_short_words(fault.location.file);
+  if (fault.location.line > 0) {
+    text += ':' + std::to_string(fault.location.line) + ':' + std::to_string(fault.location.column);
   }
   text += ": error: ";
   if (!fault.key.empty()) {

@@ -10,7 +10,7 @@
 namespace tomlin {
 
 /// Position of a text: a file (or "--set") with 1-based line and column; line 0 = unknown.
-struct Place {
+struct SourceLocation {
   std::string file;
   int line = 0;
   int column = 0;
@@ -19,11 +19,11 @@ struct Place {
 /// One fault of the input. All faults of a well-formed scene are collected and shown together.
 struct Fault {
   explicit Fault(FaultCode code_of_fault) : code(code_of_fault) {}
-  Fault(FaultCode code_of_fault, Place place_of_fault, std::string key_at_fault,
+  Fault(FaultCode code_of_fault, SourceLocation location_of_fault, std::string key_at_fault,
         std::string value_there, std::string what_is_wrong, std::string what_would_be_right = "",
         std::string nearest_name = "")
       : code(code_of_fault),
-        place(std::move(place_of_fault)),
+        location(std::move(location_of_fault)),
         key(std::move(key_at_fault)),
         value(std::move(value_there)),
         why(std::move(what_is_wrong)),
@@ -31,7 +31,7 @@ struct Fault {
         nearest(std::move(nearest_name)) {}
 
   FaultCode code;
-  Place place;
+  SourceLocation location;
   std::string key;         ///< dotted path of the key, e.g. "force.driver.stiffness"
   std::string value;       ///< the value as written; the line where there is no key; or empty
   std::string why;         ///< what is wrong with it

@@ -25,7 +25,7 @@ constexpr FaultKind kKinds[] = {
      "A key, a table or an item of a list is given twice.",
      "Two lines stiffness = ... in one table.", "Remove one of the two."},
     {FaultCode::scene_unknown_key, "scene.unknown_key",
-     "There is no key, table or parameter of this name at this place.",
+     "There is no key, table or parameter of this name at this position.",
      "tomlin run pt.toml --set run.duraton=5",
      "Use one of the admissible keys; the nearest one is suggested. `tomlin describe COMPONENT` "
      "lists the keys of a component."},

@@ -109,7 +109,7 @@ Gain gain_at(ForceUnderTest& e, ForceTwin<double>& twin, const State& state, dou
     const double energy = std::abs(static_cast<double>(later(Quad(0.0))));
     return {static_cast<double>((Quad(4.0) * near - far) / Quad(3.0)), kExactRounding * energy / h};
   }
-  // Places are rounded, and those of rigid bodies' particles one by one: the energy follows.
+  // Positions are rounded, and those of rigid bodies' particles one by one: the energy follows.
   const double noise =
       e.terms(state).size * e.reach(state) + e.change_of(state, [&](const State& at) {
         e.put(at, twin);
@@ -178,13 +178,14 @@ std::optional<PropertyResult> friction(ForceUnderTest& e) {
       }
       std::vector<double> drag = e.forces(moving);
       const double size = e.largest(drag) + e.largest(at_rest);
-      std::vector<double> due(e.count());
+      std::vector<double> expected(e.count());
       for (std::size_t i = 0; i < e.count(); ++i) {
         drag[i] -= at_rest[i];
         // A rotation is dragged along by a centre of friction that is not that of mass.
-        due[i] = e.variable(i).axis < 0 ? drag[i] : -coefficient_of(e.variable(i)) * moving.v[i];
+        expected[i] =
+            e.variable(i).axis < 0 ? drag[i] : -coefficient_of(e.variable(i)) * moving.v[i];
       }
-      e.note(drag, due, size, kRounding * size * static_cast<double>(e.count()), moving);
+      e.note(drag, expected, size, kRounding * size * static_cast<double>(e.count()), moving);
     }
     e.count_state();
   }
@@ -236,7 +237,7 @@ std::optional<PropertyResult> balance(ForceUnderTest& e) {
   if (!takes_part || e.on_prescribed()) return std::nullopt;
   e.begin("balance", "power = energy stored + heat - a driver's work, as the ledger adds them");
   for (const State* state : e.everywhere()) {
-    if (state->place == Place::contact) continue;
+    if (state->kind == StateKind::contact) continue;
     const std::vector<double> forces = e.forces(*state);
     double work = 0.0;
     if (e.traits().does_work && e.alone().force().first_rate != kNoRate) {
@@ -260,7 +261,7 @@ std::optional<PropertyResult> balance(ForceUnderTest& e) {
     }
     const double size = taken.size + std::abs(work) + std::abs(heat);
     const Gain gain = gain_at(e, *twin, *state, size);
-    double drive = 0.0;  // speed of a support, whose place is rounded too
+    double drive = 0.0;  // speed of a support, whose position is rounded too
     if (const Drive* pulled = e.bound().drive()) {
       for (const double v : pulled->velocity) drive += std::abs(v);
     }

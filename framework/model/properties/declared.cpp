@@ -15,9 +15,9 @@ namespace {
 /// and rounding leave, at 1e-9, and below what a wrong declaration is about, which is all of it.
 constexpr double kDifferent = 1e-3;
 
-bool differ(const std::vector<double>& found, const std::vector<double>& due) {
+bool differ(const std::vector<double>& found, const std::vector<double>& expected) {
   for (std::size_t i = 0; i < found.size(); ++i) {
-    if (found[i] != due[i] && !(std::isnan(found[i]) && std::isnan(due[i]))) return true;
+    if (found[i] != expected[i] && !(std::isnan(found[i]) && std::isnan(expected[i]))) return true;
   }
   return false;
 }

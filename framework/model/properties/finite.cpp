@@ -21,27 +21,27 @@ std::optional<PropertyResult> finite(ForceUnderTest& e) {
     for (std::size_t i = e.count(); i-- > 0;) {
       if (!std::isfinite(forces[i])) lost = i;
     }
-    const bool close = state->place == Place::near || state->place == Place::start;
+    const bool close = state->kind == StateKind::near || state->kind == StateKind::start;
     const bool numbers = lost == kNone && std::isfinite(energy);
-    if (numbers || (overflowed && state->place != Place::contact && !close)) {
+    if (numbers || (overflowed && state->kind != StateKind::contact && !close)) {
       e.note(0.0, 0.0, 0.0, 0.0, *state);
       continue;
     }
     const double found = lost == kNone ? energy : forces[lost];
-    double due = 0.0;  // what it says where it can be told
+    double expected = 0.0;  // what it says where it can be told
     bool broken =
-        close || (std::isnan(found) && state->place != Place::contact) ||
+        close || (std::isnan(found) && state->kind != StateKind::contact) ||
         (lost != kNone && std::isnan(found) && std::isfinite(energy) && e.traits().conservative);
     if (ForceTwin<Quad>* twin = e.exact(); !close && twin != nullptr) {
       e.put(*state, *twin);
       twin->evaluate(state->time);
-      due =
+      expected =
           static_cast<double>(lost == kNone ? twin->energy() : twin->force_at(e.variable(lost).at));
       constexpr double kNearOverflow = 1e150;  // squares of it are too large
-      broken = std::abs(due) < kNearOverflow;
+      broken = std::abs(expected) < kNearOverflow;
     }
     if (broken) {
-      e.note(found, due, std::abs(due), -1.0, *state, lost);
+      e.note(found, expected, std::abs(expected), -1.0, *state, lost);
     } else {
       e.note(0.0, 0.0, 0.0, 0.0, *state);
     }

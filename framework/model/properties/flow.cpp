@@ -49,8 +49,8 @@ std::optional<PropertyResult> look_at_operator(ForceUnderTest& e, const char* pr
     };
     FlowCheck check(
         flow, at, view.dofs, view.own_count, slopes, [&] { return twin->energy(); },
-        [&](double found, double due, double allowed) {
-          e.note(found, due, std::abs(due), allowed, state);
+        [&](double found, double expected, double allowed) {
+          e.note(found, expected, std::abs(expected), allowed, state);
         });
     look(check);
     e.count_state();

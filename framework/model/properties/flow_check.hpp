@@ -18,7 +18,7 @@ class FlowCheck {
  public:
   using Numbers = std::vector<double>;
   /// Called with every comparison: the value found, the one expected, and what rounding allows.
-  using Note = std::function<void(double found, double due, double allowed)>;
+  using Note = std::function<void(double found, double expected, double allowed)>;
 
   /// `at` stands before arrays of `dofs` velocities and `own` variables, which start as they are,
   /// and are so again after each function. `slopes`: d/dt of all of them at their present values,
@@ -121,8 +121,8 @@ class FlowCheck {
   }
   static double difference(const Numbers& a, const Numbers& b) { return largest(sum(a, -1.0, b)); }
 
-  void expect_same(const Numbers& found, const Numbers& due) const {
-    const auto [at, other] = std::mismatch(found.begin(), found.end(), due.begin());
+  void expect_same(const Numbers& found, const Numbers& expected) const {
+    const auto [at, other] = std::mismatch(found.begin(), found.end(), expected.begin());
     if (at != found.end()) return note_(*at, *other, -1.0);
     note_(0.0, 0.0, 0.0);
   }
@@ -165,7 +165,7 @@ class FlowCheck {
     part.part += 1;
     key.key.stream += 1;
     for (const auto& other : {step, part, key}) {
-      // One that is the same is not due.
+      // One that is the same is no error.
       if (after(h, other) == after(h)) note_(0.0, largest(start_), -1.0);
     }
   }

@@ -15,15 +15,15 @@ std::string PropertyPoint::text() const {
   std::string where = body.empty() ? "all coordinates together" : body;
   if (particle >= 0) where += fmt::format(", particle {}", particle);
   if (!coordinate.empty()) where += ", " + coordinate;
-  if (!place.empty()) {
+  if (!position.empty()) {
     where += " at (";
-    for (std::size_t d = 0; d < place.size(); ++d) {
-      where += fmt::format("{}{:.10g}", d == 0 ? "" : ", ", place[d]);
+    for (std::size_t d = 0; d < position.size(); ++d) {
+      where += fmt::format("{}{:.10g}", d == 0 ? "" : ", ", position[d]);
     }
     where += ")";
   }
   return fmt::format("{}, {}, time {:.6g}: {:.17g} where {:.17g} is expected", where, state, time,
-                     found, due);
+                     found, expected);
 }
 
 }  // namespace tomlin
@@ -59,8 +59,8 @@ std::uint64_t pairs_of(const Scene& scene, const SceneForce& force) {
 }
 
 /// Bits, but for the sign of a zero and NaN.
-bool is_same(double found, double due) {
-  return found == due || (std::isnan(found) && std::isnan(due));
+bool is_same(double found, double expected) {
+  return found == expected || (std::isnan(found) && std::isnan(expected));
 }
 
 }  // namespace
@@ -74,10 +74,10 @@ std::vector<InstructionSet> supported_sets() {
   return sets;
 }
 
-const char* name_of(Place place) {
+const char* name_of(StateKind kind) {
   static constexpr const char* kNames[] = {"at the start", "near the start", "far away",
                                            "high above", "almost touching"};
-  return kNames[static_cast<int>(place)];
+  return kNames[static_cast<int>(kind)];
 }
 
 ForceUnderTest::ForceUnderTest(const Scene& scene, std::size_t force, double length,
@@ -137,7 +137,7 @@ bool ForceUnderTest::on_prescribed() const {
 void ForceUnderTest::make_states() {
   Random random(options_.seed);
   alone_.restart();
-  start_.place = Place::start;
+  start_.kind = StateKind::start;
   for (const Variable& variable : alone_.variables()) {
     start_.x.push_back(alone_.position(variable));
     start_.v.push_back(alone_.velocity(variable));
@@ -154,14 +154,14 @@ void ForceUnderTest::make_states() {
   };
   for (const double far : kFar) {
     State together = displaced(1.0, random);
-    together.place = Place::far;
+    together.kind = StateKind::far;
     for (int axis = 0; axis < axes; ++axis) {
       const double way = random.symmetric();
       shift(together, axis, length_ * (way < 0.0 ? -far : far) * (1.0 + 0.5 * way));
     }
     extreme_.push_back(std::move(together));
     State apart = displaced(1.0, random);
-    apart.place = Place::far;
+    apart.kind = StateKind::far;
     for (std::size_t i = 0; i < count(); ++i) {
       if (variable(i).axis >= 0) apart.x[i] += far * length_ * random.symmetric();
     }
@@ -170,7 +170,7 @@ void ForceUnderTest::make_states() {
   for (const double height : kHigh) {
     if (axes < 2) break;
     State high = displaced(1.0, random);
-    high.place = Place::high;
+    high.kind = StateKind::high;
     shift(high, 1, height * length_);
     extreme_.push_back(std::move(high));
   }
@@ -180,7 +180,7 @@ void ForceUnderTest::make_states() {
   // Own variables near what they come to within a unit of time, or until their rates are others.
   for (auto* states : {&near_, &extreme_}) {
     for (State& state : *states) {
-      if (state.own.empty() || state.place == Place::start) continue;
+      if (state.own.empty() || state.kind == StateKind::start) continue;
       put(state);
       alone_.forces(state.time);
       const std::vector<double> rates(alone_.rates(), alone_.rates() + state.own.size());
@@ -208,7 +208,7 @@ void ForceUnderTest::make_states() {
 
 State ForceUnderTest::displaced(double size, Random& random) const {
   State state = start_;
-  state.place = Place::near;
+  state.kind = StateKind::near;
   for (std::size_t i = 0; i < count(); ++i) {
     const double unit = variable(i).unit * length_;
     state.x[i] += size * kDisplacement * unit * random.symmetric();
@@ -233,7 +233,7 @@ std::optional<State> ForceUnderTest::touching(double distance, Random& random) c
   if (particles.size() < 2) return std::nullopt;
   const std::size_t one = random.below(particles.size() - 1);
   State state = displaced(1.0, random);
-  state.place = Place::contact;
+  state.kind = StateKind::contact;
   double way[3] = {};
   double norm = 0.0;
   for (int d = 0; d < model.dimension(); ++d) {
@@ -267,7 +267,7 @@ std::vector<const State*> ForceUnderTest::everywhere() const {
     states.push_back(&near_[k]);
   }
   for (const State& state : extreme_) {
-    const auto known = [&](const State* other) { return other->place == state.place; };
+    const auto known = [&](const State* other) { return other->kind == state.kind; };
     if (few && std::any_of(states.begin(), states.end(), known)) continue;
     states.push_back(&state);
   }
@@ -368,14 +368,14 @@ void ForceUnderTest::note_shown(const State& state) {
   note(0.0, 0.0, 0.0, 0.0, state);
 }
 
-void ForceUnderTest::contradict(double found, double due) {
+void ForceUnderTest::contradict(double found, double expected) {
   count_state();
-  note(found, due, 1.0, -1.0, start_);
+  note(found, expected, 1.0, -1.0, start_);
 }
 
-void ForceUnderTest::note(double found, double due, double size, double allowed, const State& state,
-                          std::size_t variable) {
-  const double difference = found == due ? 0.0 : std::abs(found - due);
+void ForceUnderTest::note(double found, double expected, double size, double allowed,
+                          const State& state, std::size_t variable) {
+  const double difference = found == expected ? 0.0 : std::abs(found - expected);
   const bool holds = difference <= allowed;  // false for NaN
   const double strain = difference == 0.0 ? 0.0
                         : holds || (difference > allowed && allowed > 0.0)
@@ -388,51 +388,51 @@ void ForceUnderTest::note(double found, double due, double size, double allowed,
   now_.allowed = size > 0.0 ? std::max(allowed, 0.0) / size : 0.0;
   now_.worst = point(state, variable);
   now_.worst.found = found;
-  now_.worst.due = due;
+  now_.worst.expected = expected;
 }
 
-void ForceUnderTest::note(const std::vector<double>& found, const std::vector<double>& due,
+void ForceUnderTest::note(const std::vector<double>& found, const std::vector<double>& expected,
                           double size, double allowed, const State& state) {
   std::size_t worst = 0;
   double most = -1.0;
   for (std::size_t i = 0; i < count(); ++i) {
-    const double difference = std::abs(at_edge(i, found[i]) - at_edge(i, due[i]));
+    const double difference = std::abs(at_edge(i, found[i]) - at_edge(i, expected[i]));
     if (difference <= most) continue;
     worst = i;
     most = difference;
     if (std::isnan(most)) break;
   }
-  note(at_edge(worst, found[worst]), at_edge(worst, due[worst]), size, allowed, state, worst);
+  note(at_edge(worst, found[worst]), at_edge(worst, expected[worst]), size, allowed, state, worst);
 }
 
-void ForceUnderTest::note_same(double found, double due, const State& state) {
-  if (is_same(found, due)) return note(0.0, 0.0, 0.0, 0.0, state);
-  note(found, due, std::abs(due), -1.0, state);
+void ForceUnderTest::note_same(double found, double expected, const State& state) {
+  if (is_same(found, expected)) return note(0.0, 0.0, 0.0, 0.0, state);
+  note(found, expected, std::abs(expected), -1.0, state);
 }
 
 void ForceUnderTest::note_same_numbers(const std::vector<double>& found,
-                                       const std::vector<double>& due, const State& state) {
+                                       const std::vector<double>& expected, const State& state) {
   std::size_t k = 0;
-  while (k < due.size() && is_same(found[k], due[k])) ++k;
-  if (k < due.size()) return note_same(found[k], due[k], state);
+  while (k < expected.size() && is_same(found[k], expected[k])) ++k;
+  if (k < expected.size()) return note_same(found[k], expected[k], state);
   note(0.0, 0.0, 0.0, 0.0, state);
 }
 
-void ForceUnderTest::note_same(const std::vector<double>& found, const std::vector<double>& due,
-                               const State& state) {
+void ForceUnderTest::note_same(const std::vector<double>& found,
+                               const std::vector<double>& expected, const State& state) {
   for (std::size_t i = 0; i < count(); ++i) {
-    const bool both_none = std::isnan(found[i]) && std::isnan(due[i]);
+    const bool both_none = std::isnan(found[i]) && std::isnan(expected[i]);
     const bool same =
-        std::bit_cast<std::uint64_t>(found[i]) == std::bit_cast<std::uint64_t>(due[i]);
+        std::bit_cast<std::uint64_t>(found[i]) == std::bit_cast<std::uint64_t>(expected[i]);
     if (same || both_none) continue;
-    return note(found[i], due[i], std::abs(due[i]), -1.0, state, i);
+    return note(found[i], expected[i], std::abs(expected[i]), -1.0, state, i);
   }
   note(0.0, 0.0, 0.0, 0.0, state);
 }
 
 PropertyPoint ForceUnderTest::point(const State& state, std::size_t chosen) const {
   PropertyPoint point;
-  point.state = name_of(state.place);
+  point.state = name_of(state.kind);
   point.time = state.time;
   if (chosen == kNone) return point;
   const Model& model = alone_.model();
@@ -442,7 +442,8 @@ PropertyPoint ForceUnderTest::point(const State& state, std::size_t chosen) cons
   point.coordinate = name.axis;
   for (std::size_t i = 0; i < count(); ++i) {
     if (variable(i).body != variable(chosen).body || variable(i).axis < 0) continue;
-    if (model.name_of(variable(i).at).particle == name.particle) point.place.push_back(state.x[i]);
+    if (model.name_of(variable(i).at).particle == name.particle)
+      point.position.push_back(state.x[i]);
   }
   return point;
 }

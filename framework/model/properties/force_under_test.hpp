@@ -51,15 +51,15 @@ class Random {
 /// Instruction sets that this machine can run.
 std::vector<InstructionSet> supported_sets();
 
-enum class Place { start, near, far, high, contact };
-const char* name_of(Place place);
+enum class StateKind { start, near, far, high, contact };
+const char* name_of(StateKind kind);
 
 struct State {
   std::vector<double> x;  ///< of each variable
   std::vector<double> v;
   std::vector<double> own;
   double time = 0.0;
-  Place place = Place::near;
+  StateKind kind = StateKind::near;
 };
 
 using Variable = SingleForce::Variable;
@@ -137,12 +137,12 @@ class ForceUnderTest {
   /// vanishes, and held coordinates. As a force at a body's edge.
   struct Terms {
     double size = 0.0;
-    double change = 0.0;  ///< per relative change of each place
+    double change = 0.0;  ///< per relative change of each position
     double speed = 0.0;   ///< the fastest of those of prescribed bodies
-    double heat = 0.0;    ///< change of the heat, per relative change of each place
+    double heat = 0.0;    ///< change of the heat, per relative change of each position
   };
   Terms terms(const State& state);
-  /// How large the numbers are that places are made of.
+  /// How large the numbers are that positions are made of.
   double reach(const State& state) const;
 
   // ---- the answer
@@ -152,20 +152,21 @@ class ForceUnderTest {
   void count_state() { ++now_.states; }
   /// Notes that something which has to be seen somewhere was seen at this state.
   void note_shown(const State& state);
-  /// A contradiction within what is declared, which no state shows: `found` of something for `due`.
-  void contradict(double found, double due);
-  /// `found` against `due`, at a state where `size` is the size of what is compared.
-  void note(double found, double due, double size, double allowed, const State& state,
+  /// A contradiction within what is declared, which no state shows: `found` of something for
+  /// `expected`.
+  void contradict(double found, double expected);
+  /// `found` against `expected`, at a state where `size` is the size of what is compared.
+  void note(double found, double expected, double size, double allowed, const State& state,
             std::size_t variable = kNone);
   /// Vectors of forces; `allowed` of a force at a body's edge.
-  void note(const std::vector<double>& found, const std::vector<double>& due, double size,
+  void note(const std::vector<double>& found, const std::vector<double>& expected, double size,
             double allowed, const State& state);
   /// Bits that must be the same.
-  void note_same(const std::vector<double>& found, const std::vector<double>& due,
+  void note_same(const std::vector<double>& found, const std::vector<double>& expected,
                  const State& state);
-  void note_same(double found, double due, const State& state);
+  void note_same(double found, double expected, const State& state);
   /// Bits that must be the same, of numbers that are no forces on variables.
-  void note_same_numbers(const std::vector<double>& found, const std::vector<double>& due,
+  void note_same_numbers(const std::vector<double>& found, const std::vector<double>& expected,
                          const State& state);
   bool holds() const { return now_.holds; }
 
@@ -183,7 +184,7 @@ class ForceUnderTest {
   struct Hidden {
     std::size_t body = 0;
     bool mapped = false;
-    std::vector<std::size_t> at;  ///< among the mapped places, or among the coordinates
+    std::vector<std::size_t> at;  ///< among the mapped positions, or among the coordinates
   };
   void list_hidden();
   double gathered(const std::vector<double>& hidden_forces) const;
@@ -203,7 +204,7 @@ class ForceUnderTest {
   std::vector<State> extreme_;
   std::unique_ptr<ForceTwin<Quad>> exact_;
   std::vector<Hidden> hidden_;
-  double hidden_reach_ = 0.0;                    ///< of places that do not vary, at the start
+  double hidden_reach_ = 0.0;                    ///< of positions that do not vary, at the start
   std::unique_ptr<ForceTwin<double>> by_terms_;  ///< where some coordinates are hidden
   std::vector<Pass<double>> passes_;             ///< of it
   bool sought_exact_ = false;

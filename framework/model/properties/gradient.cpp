@@ -42,7 +42,7 @@ Scale scale_of(ForceUnderTest& e, const State& state, const Direction& direction
 
 std::vector<double> parts_at(const State& state) {
   std::vector<double> parts(std::begin(kShorter), std::end(kShorter));
-  if (state.place == Place::contact) {
+  if (state.kind == StateKind::contact) {
     parts.insert(parts.end(), std::begin(kAtContact), std::end(kAtContact));
   }
   return parts;
@@ -58,7 +58,7 @@ bool compare_by_differences(ForceUnderTest& e, const State& state, const Directi
   };
   const double energy_noise = kRounding * e.change_of(state, energy_at);
   const double noise = kRounding * e.sensitivity(state) * length_of(e, direction);
-  const bool close = state.place == Place::near || state.place == Place::start;
+  const bool close = state.kind == StateKind::near || state.kind == StateKind::start;
   bool regular = false;  // throughout, and yet no slope
   double slope_found = 0.0;
   double most = 0.0;
@@ -124,7 +124,7 @@ std::optional<PropertyResult> conservative(ForceUnderTest& e) {
   Random random(e.seed());
   for (const State* at : e.everywhere()) {
     const State& state = *at;
-    const bool close = state.place == Place::near || state.place == Place::start;
+    const bool close = state.kind == StateKind::near || state.kind == StateKind::start;
     if (!close && (e.exact() != nullptr || !is_number(e, state))) continue;
     const bool together = compare_by_differences(e, state, e.random_direction(random), kNone);
     const std::size_t chosen = random.below(e.count());
@@ -143,7 +143,7 @@ std::optional<PropertyResult> exact(ForceUnderTest& e) {
     const std::vector<double> forces = e.forces(*state);
     const double sensitivity = e.sensitivity(*state);
     const bool numbers = std::isfinite(e.largest(forces)) && std::isfinite(sensitivity);
-    if (!numbers && state->place != Place::near && state->place != Place::start) continue;
+    if (!numbers && state->kind != StateKind::near && state->kind != StateKind::start) continue;
     e.count_state();
     const bool together =
         compare_exactly(e, *state, e.random_direction(random), forces, sensitivity, kNone);

@@ -80,13 +80,13 @@ std::optional<PropertyResult> periodic(ForceUnderTest& e) {
       if (period < 0.0) e.contradict(period, 0.0);
       if (!(period > 0.0)) continue;
       for (const double periods : kPeriods) {
-        // Places are rounded, and what a force makes of it grows with its own steepness.
+        // Positions are rounded, and what a force makes of it grows with its own steepness.
         const State moved = shifted(e, state, axis, periods * period);
         const double steepness = e.sensitivity(moved);
         const double turns = e.reach(moved) / period * largest;
         const double allowed = kRounding * (largest + steepness + turns);
         e.note(e.forces(moved), before, largest, allowed, moved);
-        // An energy follows its forces over the same rounded places.
+        // An energy follows its forces over the same rounded positions.
         const double size = std::abs(energy) + e.length() * largest;
         e.put(moved);
         e.note(e.alone().energy(moved.time), energy, size,
@@ -172,14 +172,14 @@ std::optional<PropertyResult> velocity(ForceUnderTest& e) {
   if (e.traits().depends_on_velocity) return std::nullopt;
   e.begin("velocity", "independent of velocities");
   for (const State& state : e.near()) {
-    const std::vector<double> due = e.forces(state);
+    const std::vector<double> expected = e.forces(state);
     const double run = e.alone().model().scene().run.duration;
     for (const double speed : {1.0, kFast / std::min(1.0, run)}) {
       State other = state;
       for (std::size_t i = 0; i < e.count(); ++i) {
         other.v[i] = -3.0 * state.v[i] + speed * e.length() * e.variable(i).unit;
       }
-      e.note_same(e.forces(other), due, other);
+      e.note_same(e.forces(other), expected, other);
     }
     e.count_state();
   }

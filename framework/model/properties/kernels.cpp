@@ -150,13 +150,13 @@ std::optional<PropertyResult> point(ForceUnderTest& e) {
       const PointResult<double> result =
           point.run(point.parameters, state->x[own], state->v[own], point.start, 0.0);
       std::vector<double> found{result.force};
-      std::vector<double> due{twin->force_at(e.variable(own).at)};
+      std::vector<double> expected{twin->force_at(e.variable(own).at)};
       if (point.rate != kNoRate) {
         const auto rate = static_cast<std::size_t>(point.rate);
         found.insert(found.end(), {result.force, result.power});
-        due.insert(due.end(), {twin->rate(rate), twin->rate(rate + 1)});
+        expected.insert(expected.end(), {twin->rate(rate), twin->rate(rate + 1)});
       }
-      e.note_same_numbers(found, due, *state);
+      e.note_same_numbers(found, expected, *state);
     }
   }
   for (std::size_t k = 0; k < e.everywhere().size(); ++k) e.count_state();

@@ -42,7 +42,7 @@ Outcome outcome_at(ForceUnderTest& e, const State& state, ForceTwin<Real>& twin)
 }
 
 /// Units in the last place by which a type may be off, in parts of a result's size and of what it
-/// changes by per relative change of what it is made of: the worst that sound forces show is a
+/// changes by per relative change of what it is made of: the worst that correct forces show is a
 /// tenth of it.
 constexpr double kUnits = 64.0;
 /// A type whose rounding never shows is another type under its name. A single product is off by a
@@ -58,7 +58,7 @@ double hidden_change(ForceUnderTest& e, const State& state, double sensitivity, 
 
 /// Compares numbers that are no forces on variables, each by itself.
 void compare_others(ForceUnderTest& e, ForceTwin<double>& twin, const Outcome& found,
-                    const Outcome& due, const State& state, double sensitivity, double allowed,
+                    const Outcome& expected, const State& state, double sensitivity, double allowed,
                     double least) {
   std::vector<double> changes =
       e.changes_of(state, [&](const State& at) { return outcome_at(e, at, twin).others; });
@@ -75,10 +75,10 @@ void compare_others(ForceUnderTest& e, ForceTwin<double>& twin, const Outcome& f
       changes[first + d] += (terms.size + terms.change) * (d < axes ? 1.0 : fastest);
     }
   }
-  for (std::size_t k = 0; k < due.others.size(); ++k) {
+  for (std::size_t k = 0; k < expected.others.size(); ++k) {
     if (!std::isfinite(changes[k]) || !std::isfinite(found.others[k])) continue;
-    const double size = std::abs(due.others[k]);
-    e.note(found.others[k], due.others[k], size, allowed * (size + changes[k]) + least, state);
+    const double size = std::abs(expected.others[k]);
+    e.note(found.others[k], expected.others[k], size, allowed * (size + changes[k]) + least, state);
   }
 }
 
@@ -87,16 +87,17 @@ bool compare_with_exact(ForceUnderTest& e, ForceTwin<double>& twin, const State&
   constexpr double kAllowed = kUnits * std::numeric_limits<double>::epsilon();
   constexpr double kLeast =
       std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
-  const Outcome due = outcome_at(e, state, *e.exact());
+  const Outcome expected = outcome_at(e, state, *e.exact());
   const Outcome found = outcome_at(e, state, twin);
   const double sensitivity = e.sensitivity(state);
-  const double size = e.largest(due.forces);
+  const double size = e.largest(expected.forces);
   // Numbers that are not finite are checked elsewhere.
   if (!std::isfinite(sensitivity) || !std::isfinite(e.largest(found.forces))) return false;
   double unit = 1.0;
   for (std::size_t i = 0; i < e.count(); ++i) unit = std::max(unit, e.variable(i).unit);
-  e.note(found.forces, due.forces, size, kAllowed * (size + sensitivity) + kLeast * unit, state);
-  compare_others(e, twin, found, due, state, sensitivity, kAllowed, kLeast);
+  e.note(found.forces, expected.forces, size, kAllowed * (size + sensitivity) + kLeast * unit,
+         state);
+  compare_others(e, twin, found, expected, state, sensitivity, kAllowed, kLeast);
   return true;
 }
 

@@ -98,7 +98,7 @@ std::optional<PropertyResult> quadruple(ForceUnderTest& e) {
                                     : "power = energy stored + heat, all in quadruple precision");
   Random random(e.seed());
   for (const State* state : e.everywhere()) {
-    if (state->place != Place::near && state->place != Place::start) continue;
+    if (state->kind != StateKind::near && state->kind != StateKind::start) continue;
     const double sensitivity = e.sensitivity(*state);
     if (!std::isfinite(sensitivity)) continue;
     if (conservative) {

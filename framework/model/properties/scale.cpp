@@ -15,7 +15,7 @@ constexpr double kGrowth = 4.0;
 /// sine's is there at 1/200 of a wave.
 constexpr double kBent = 1e-6;
 constexpr double kStepsOfAWave = 200.0;
-/// Steps that are looked at, in parts of the numbers that places are made of.
+/// Steps that are looked at, in parts of the numbers that positions are made of.
 constexpr double kShortest = 1e-12;
 constexpr double kLongest = 1e12;
 /// The shortest of all where everything starts at 0, in any units.
@@ -63,7 +63,7 @@ class Probe {
       least = std::min(least, along);
       most = std::max(most, along);
     }
-    // Places are rounded, and the force follows.
+    // Positions are rounded, and the force follows.
     const double rounding = kRounding * (size + (most - least) * reach_ / step);
     return !(std::abs(fourth) <= kBent * size + 16.0 * rounding);
   }

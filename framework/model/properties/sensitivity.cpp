@@ -103,7 +103,7 @@ ForceUnderTest::Terms ForceUnderTest::terms(const State& state) {
   const SystemView<double>& view = twin.view();
   put(state, twin);
   twin.evaluate(state.time);
-  const auto place_of = [&](const Hidden& hidden, std::size_t at) -> double& {
+  const auto position_of = [&](const Hidden& hidden, std::size_t at) -> double& {
     return hidden.mapped ? view.mapped_position[at] : twin.position(at);
   };
   const auto force_of = [&](const Hidden& hidden, std::size_t at) -> double& {
@@ -127,9 +127,9 @@ ForceUnderTest::Terms ForceUnderTest::terms(const State& state) {
   const std::vector<double> before = acting();
   const double heat_before = twin.heat().value_or(0.0);
   Terms terms{gathered(before), 0.0, 0.0, 0.0};
-  std::vector<double> places;  // no evaluation computes those of what does not move again
+  std::vector<double> positions;  // no evaluation computes those of what does not move again
   all([&](const Hidden& hidden, std::size_t at) {
-    places.push_back(place_of(hidden, at));
+    positions.push_back(position_of(hidden, at));
     if (alone_.model().bodies()[hidden.body].prescribed())
       terms.speed = std::max(terms.speed, std::abs(view.mapped_velocity[at]));
   });
@@ -137,7 +137,7 @@ ForceUnderTest::Terms ForceUnderTest::terms(const State& state) {
   for (int again = 0; again < kShakes; ++again) {
     Random random(options_.seed ^ (kShaking + static_cast<std::uint64_t>(again)));
     all([&, k = std::size_t{0}](const Hidden& hidden, std::size_t at) mutable {
-      place_of(hidden, at) = places[k++] + shake * random.symmetric();
+      position_of(hidden, at) = positions[k++] + shake * random.symmetric();
     });
     std::vector<double> change = acting();
     for (std::size_t k = 0; k < change.size(); ++k) change[k] -= before[k];
@@ -146,7 +146,7 @@ ForceUnderTest::Terms ForceUnderTest::terms(const State& state) {
     terms.heat = std::max(terms.heat, std::abs(heat - heat_before) / kShake);
   }
   all([&, k = std::size_t{0}](const Hidden& hidden, std::size_t at) mutable {
-    place_of(hidden, at) = places[k++];
+    position_of(hidden, at) = positions[k++];
   });
   return terms;
 }

@@ -135,7 +135,7 @@ inline double length_of(const ForceUnderTest& e, const Direction& direction) {
 /// the slope even a millionth of a length apart, and so is what rounding to 1e-34 leaves.
 inline constexpr double kTinyDifference = 1e-12;
 
-/// A kink's two slopes differ by as much twice as far away, those about a smooth place by twice as
+/// A kink's two slopes differ by as much twice as far away, those about a smooth point by twice as
 /// much; and by more than the rounding of quadruple precision.
 inline constexpr double kKinked = 0.75;
 inline constexpr double kApart = 1e-6;

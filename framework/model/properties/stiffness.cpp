@@ -21,7 +21,7 @@ constexpr int kPasses = 100;
 
 using Block = std::array<double, 9>;
 
-/// Second derivatives in the place of each particle alone.
+/// Second derivatives in the position of each particle alone.
 class Blocks : public HessianSink {
  public:
   explicit Blocks(const Model& model) {

@@ -105,7 +105,7 @@ std::optional<PropertyResult> internal(ForceUnderTest& e) {
   const double rounding = rounding_of_sum(e.count());
   double near = 0.0;  // the largest force at the states so far
   for (const State* state : e.everywhere()) {
-    const bool close = state->place == Place::near || state->place == Place::start;
+    const bool close = state->kind == StateKind::near || state->kind == StateKind::start;
     const double terms = e.terms(*state).size;
     const double here = terms + e.largest(e.forces(*state));
     if (!close && !std::isfinite(here)) continue;
@@ -133,9 +133,9 @@ std::optional<PropertyResult> driver(ForceUnderTest& e) {
   const std::size_t reported = e.bound().rate_count();
   if (!e.traits().does_work && drive == nullptr && reported == 0) return std::nullopt;
   e.begin("driver", "reports the force it exerts, and force . velocity as its power");
-  const double due = e.traits().does_work ? e.alone().model().dimension() + 1.0 : 0.0;
-  if (e.traits().does_work != (drive != nullptr) || static_cast<double>(reported) != due) {
-    e.contradict(static_cast<double>(reported), due);
+  const double expected = e.traits().does_work ? e.alone().model().dimension() + 1.0 : 0.0;
+  if (e.traits().does_work != (drive != nullptr) || static_cast<double>(reported) != expected) {
+    e.contradict(static_cast<double>(reported), expected);
     return e.end();
   }
   const auto axes = static_cast<std::size_t>(e.alone().model().dimension());

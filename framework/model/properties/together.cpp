@@ -31,7 +31,7 @@ constexpr std::size_t kFirstOperation = 0;
 constexpr std::size_t kFirstOperation = 1;
 #endif
 
-/// Some forces of the scene, bound; places are relative to the origin of all of them.
+/// Some forces of the scene, bound; positions are relative to the origin of all of them.
 class Bound {
  public:
   Bound(const Scene& scene, std::vector<SceneForce> forces, const IntegratorRecord& scheme,
@@ -154,7 +154,7 @@ class Together {
     Random random(options_.seed);
     for (int k = 0; k < options_.displaced_states; ++k) look_at(displaced(random));
     State start = start_;
-    start.place = Place::start;
+    start.kind = StateKind::start;
     look_at(start);
     return result_;
   }
@@ -196,7 +196,7 @@ class Together {
 
   State displaced(Random& random) {
     State state = start_;
-    state.place = Place::near;
+    state.kind = StateKind::near;
     const SystemView<double>& view = all_.view();
     for (std::size_t i = 0; i < view.dofs; ++i) {
       if (!(view.inverse_mass[i] > 0.0)) continue;
@@ -284,11 +284,12 @@ class Together {
     }
   }
 
-  void compare_bits(const Bound& bound, const std::vector<double>& due, const State& state) {
+  void compare_bits(const Bound& bound, const std::vector<double>& expected, const State& state) {
     for (std::size_t k = 0; k < numbers_.size(); ++k) {
       const double again = part_of(bound, numbers_[k]);
-      const bool same = std::bit_cast<std::uint64_t>(again) == std::bit_cast<std::uint64_t>(due[k]);
-      if (!same) note(again, due[k], std::abs(due[k]), 0.0, state, numbers_[k]);
+      const bool same =
+          std::bit_cast<std::uint64_t>(again) == std::bit_cast<std::uint64_t>(expected[k]);
+      if (!same) note(again, expected[k], std::abs(expected[k]), 0.0, state, numbers_[k]);
     }
   }
 
@@ -330,9 +331,9 @@ class Together {
     return 0.0;
   }
 
-  void note(double found, double due, double size, double allowed, const State& state,
+  void note(double found, double expected, double size, double allowed, const State& state,
             const Number& number) {
-    const double difference = found == due ? 0.0 : std::abs(found - due);
+    const double difference = found == expected ? 0.0 : std::abs(found - expected);
     const bool holds = difference <= allowed;  // false for NaN
     const double strain = holds ? (allowed > 0.0 ? difference / allowed : 0.0)
                           : difference > 0.0 && allowed > 0.0
@@ -344,13 +345,13 @@ class Together {
     result_.error = size > 0.0 ? difference / size : difference;
     result_.allowed = size > 0.0 ? allowed / size : 0.0;
     result_.worst = {};
-    result_.worst.state = name_of(state.place);
+    result_.worst.state = name_of(state.kind);
     result_.worst.body = number.body;
     result_.worst.particle = number.particle;
     result_.worst.coordinate = number.name;
     result_.worst.time = state.time;
     result_.worst.found = found;
-    result_.worst.due = due;
+    result_.worst.expected = expected;
   }
 
   IntegratorRecord scheme_;

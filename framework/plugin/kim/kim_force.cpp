@@ -51,12 +51,12 @@ double nearest_distance(const Bodies& bodies, const std::array<double, 3>& box, 
   for (const BoundBody<double>& body : bodies) {
     all.insert(all.end(), body.start.begin(), body.start.end());
   }
-  std::vector<double> places;
+  std::vector<double> positions;
   for (std::size_t d = 0; d < 3; ++d) {
-    for (const auto& at : all) places.push_back(at[d]);
+    for (const auto& at : all) positions.push_back(at[d]);
   }
   NeighbourSearch search(3, most, box);
-  search.sort(places, all.size());
+  search.sort(positions, all.size());
   double nearest = most * most;
   std::vector<Neighbour> found;
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -112,15 +112,15 @@ class ModelAtWork {
   bool evaluate_part(std::uint32_t atom, std::size_t axis, double& move,
                      std::vector<double>& on_atoms) {
     SeenParticles& seen = part.seen();
-    unmoved_ = seen.places;
+    unmoved_ = seen.positions;
     for (std::size_t k = 0; k < seen.count(); ++k) {
-      if (part.atom_of(k) == atom) seen.places[3 * k + axis] += move;
+      if (part.atom_of(k) == atom) seen.positions[3 * k + axis] += move;
     }
     const auto itself = static_cast<std::size_t>(part.number_of(atom, {}));
-    move = seen.places[3 * itself + axis] - unmoved_[3 * itself + axis];
+    move = seen.positions[3 * itself + axis] - unmoved_[3 * itself + axis];
     double unused = 0.0;
     const bool done = model.compute(seen, unused, seen_force_);
-    seen.places.swap(unmoved_);
+    seen.positions.swap(unmoved_);
     if (done) collect(part, on_atoms);
     return done;
   }

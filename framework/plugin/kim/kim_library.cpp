@@ -330,13 +330,13 @@ bool PortableModel::compute(const SeenParticles& seen, double& energy,
   const int count = static_cast<int>(seen.count());
   auto* const data = const_cast<SeenParticles*>(&seen);  // which the callback does not change
   energy = 0.0;
-  forces.assign(seen.places.size(), 0.0);
+  forces.assign(seen.positions.size(), 0.0);
   first_entry().clear();
   const bool failed =
       arguments_->SetArgumentPointer(numberOfParticles, &count) != 0 ||
       arguments_->SetArgumentPointer(particleSpeciesCodes, seen.species.data()) != 0 ||
       arguments_->SetArgumentPointer(particleContributing, seen.contributing.data()) != 0 ||
-      arguments_->SetArgumentPointer(coordinates, seen.places.data()) != 0 ||
+      arguments_->SetArgumentPointer(coordinates, seen.positions.data()) != 0 ||
       arguments_->SetArgumentPointer(partialEnergy, &energy) != 0 ||
       arguments_->SetArgumentPointer(partialForces, forces.data()) != 0 ||
       arguments_->SetCallbackPointer(

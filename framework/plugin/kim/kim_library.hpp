@@ -46,7 +46,7 @@ struct ModelList {
 struct SeenParticles {
   std::vector<int> species;       ///< the model's codes
   std::vector<int> contributing;  ///< 1 where the energy is asked for
-  std::vector<double> places;     ///< [particle][axis]
+  std::vector<double> positions;  ///< [particle][axis]
   std::vector<ModelList> lists;   ///< one for each cutoff of the model
 
   std::size_t count() const { return species.size(); }

@@ -9,7 +9,7 @@ namespace {
 
 /// Distances have this room for rounding: models compare them once more.
 constexpr double kRoundingRoom = 1.0 + 1e-9;
-/// Kept where places are about to move.
+/// Kept where positions are about to move.
 constexpr double kMovingRoom = 1.02;
 
 constexpr int kImageBits = 8;
@@ -64,7 +64,7 @@ Surroundings::Surroundings(const std::vector<const BoundBody<double>*>& bodies, 
     }
   }
   rows_.resize(finders_.size());
-  place_.resize(3 * count());
+  position_.resize(3 * count());
   cell_.resize(3 * count());
 }
 
@@ -79,7 +79,7 @@ bool Surroundings::update(const Stage<double>& stage) {
         const double cells = box_[d] > 0.0 ? std::floor(at / box_[d]) : 0.0;
         finite = finite && std::abs(at) < 1e15 && std::abs(cells) < 1e15;
         if (!finite) return false;
-        place_[3 * (first_[b] + i) + d] = at - cells * box_[d];
+        position_[3 * (first_[b] + i) + d] = at - cells * box_[d];
         cell_[3 * (first_[b] + i) + d] = static_cast<std::int64_t>(cells);
       }
     }
@@ -168,12 +168,13 @@ void Configuration::see_others(const Surroundings& around, double reach) {
   for (const Key key : contributing_) {
     const std::uint32_t particle = particle_in(key);
     const Image image = image_in(key);
-    const std::array<double, 3> here = around.place(particle, image);
+    const std::array<double, 3> here = around.position(particle, image);
     around.for_neighbours(particle, image, [&](std::uint32_t other, const Image& seen) {
       if (whole_ && seen == Image{}) return;
       const std::uint32_t bit = whole_ ? 1U << number_around(seen) : 0U;
       if ((noted_[other] & bit) != 0) return;
-      if (distance_squared(here.data(), around.place(other, seen).data()) > reach * reach) return;
+      if (distance_squared(here.data(), around.position(other, seen).data()) > reach * reach)
+        return;
       const Key found = key_of(other, seen);
       if (!whole_ && std::binary_search(contributing_.begin(), contributing_.end(), found)) return;
       noted_[other] |= bit;
@@ -190,7 +191,7 @@ void Configuration::see_others(const Surroundings& around, double reach) {
 void Configuration::place_all(const Surroundings& around) {
   seen_.species.clear();
   seen_.contributing.clear();
-  seen_.places.clear();
+  seen_.positions.clear();
   particle_of_.clear();
   image_of_.clear();
   const auto add = [&](const std::vector<Key>& keys, int contributes) {
@@ -199,8 +200,8 @@ void Configuration::place_all(const Surroundings& around) {
       image_of_.push_back(image_in(key));
       seen_.species.push_back(codes_[particle_of_.back()]);
       seen_.contributing.push_back(contributes);
-      const std::array<double, 3> at = around.place(particle_of_.back(), image_of_.back());
-      seen_.places.insert(seen_.places.end(), at.begin(), at.end());
+      const std::array<double, 3> at = around.position(particle_of_.back(), image_of_.back());
+      seen_.positions.insert(seen_.positions.end(), at.begin(), at.end());
     }
   };
   add(contributing_, 1);
@@ -231,10 +232,10 @@ void Configuration::list_neighbours(const Surroundings& around, double room) {
                       asks_around_others_.end();
   const std::size_t listed = others ? seen_.count() : contributing_.size();
   for (std::size_t i = 0; i < listed; ++i) {
-    const double* here = seen_.places.data() + 3 * i;
+    const double* here = seen_.positions.data() + 3 * i;
     around.for_neighbours(
         particle_of_[i], image_of_[i], [&](std::uint32_t other, const Image& image) {
-          const std::array<double, 3> there = around.place(other, image);
+          const std::array<double, 3> there = around.position(other, image);
           const double squared = distance_squared(here, there.data()) / (room * room);
           if (squared > longest * longest) return;
           const std::ptrdiff_t j = number_of(other, image);
@@ -258,7 +259,7 @@ std::size_t Configuration::bytes() const {
   std::size_t bytes = bytes_of(codes_) + bytes_of(contributing_) + bytes_of(others_) +
                       bytes_of(first_other_) + bytes_of(noted_) + bytes_of(particle_of_) +
                       bytes_of(image_of_) + bytes_of(seen_.species) + bytes_of(seen_.contributing) +
-                      bytes_of(seen_.places);
+                      bytes_of(seen_.positions);
   for (const ModelList& list : seen_.lists) {
     bytes += bytes_of(list.start) + bytes_of(list.neighbours);
   }

@@ -28,8 +28,8 @@ class Surroundings {
   Surroundings(const std::vector<const BoundBody<double>*>& bodies, double reach,
                const std::array<double, 3>& box);
 
-  /// Takes the places of all atoms at a stage, and makes lists that may lack a neighbour again.
-  /// False where a place is no finite number: then there is nothing to be had.
+  /// Takes the positions of all atoms at a stage, and makes lists that may lack a neighbour again.
+  /// False where a position is no finite number: then there is nothing to be had.
   bool update(const Stage<double>& stage);
 
   std::size_t count() const { return body_of_.size(); }
@@ -38,10 +38,10 @@ class Surroundings {
   NeighbourCount neighbours() const;
 
   /// Position of an image of an atom. Its own image is the one taken into the box by whole lengths.
-  std::array<double, 3> place(std::uint32_t particle, const Image& image) const {
+  std::array<double, 3> position(std::uint32_t particle, const Image& image) const {
     std::array<double, 3> at{};
     for (std::size_t d = 0; d < 3; ++d) {
-      at[d] = place_[3 * std::size_t{particle} + d] + static_cast<double>(image[d]) * box_[d];
+      at[d] = position_[3 * std::size_t{particle} + d] + static_cast<double>(image[d]) * box_[d];
     }
     return at;
   }
@@ -80,21 +80,21 @@ class Surroundings {
   std::vector<std::uint32_t> body_of_;            ///< [atom]
   std::vector<NeighbourFinder<double>> finders_;  ///< [one body][another]
   std::vector<Rows> rows_;
-  std::vector<double> place_;       ///< [atom][axis], within the box
+  std::vector<double> position_;    ///< [atom][axis], within the box
   std::vector<std::int64_t> cell_;  ///< [atom][axis]: so many lengths of the box were taken off
 };
 
 /// A model's view of the surroundings, for the energies of all atoms or of some. Particles of
 /// other images, and those that are there for others' sake, come behind, in ascending order; so do
-/// neighbours. It follows from the places alone: a list that holds more than it needs to, since it
-/// was made earlier or later, changes nothing.
+/// neighbours. It follows from the positions alone: a list that holds more than it needs to, since
+/// it was made earlier or later, changes nothing.
 class Configuration {
  public:
   Configuration(const PortableModel& model, std::vector<int> codes);
 
   /// The energies of all atoms.
   void assemble(const Surroundings& around);
-  /// The energies of all atoms that one is near to, itself among them; places may then move by a
+  /// The energies of all atoms that one is near to, itself among them; positions may then move by a
   /// little.
   void assemble_about(const Surroundings& around, std::uint32_t particle);
 

@@ -109,8 +109,8 @@ def refusal(code: str, file: str, why: str, *, key: str = "", value: str = "", a
             nearest: str = "", line: int = 0, column: int = 0,
             kind: type[SceneError] = SceneError) -> SceneError:
     """An error with one fault, whose text is put together as the program does it."""
-    place = f"{file}:{line}:{column}" if line else file
-    text = f"{place}: error: " + (f"{key}{f' = {value}' if value else ''}: " if key else "") + why
+    location = f"{file}:{line}:{column}" if line else file
+    text = f"{location}: error: " + (f"{key}{f' = {value}' if value else ''}: " if key else "") + why
     text += f"; expected: {admissible}" if admissible else ""
     text += f'; did you mean "{nearest}"?' if nearest else ""
     return kind([Fault(code, file, line, column, key, value, why, admissible, nearest,

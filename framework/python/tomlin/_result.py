@@ -384,7 +384,7 @@ def _identity_of(folder: Path) -> tuple[int, ...] | None:
 
 
 def _read(reader: Callable[[str], Any], file: Path) -> Any:
-    """Raises OutputError, with the place of what is damaged."""
+    """Raises OutputError, with the location of what is damaged."""
     try:
         return reader(str(file))
     except SceneError as error:

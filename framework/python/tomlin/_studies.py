@@ -29,7 +29,7 @@ class Check(Record):
     @property
     def holds(self) -> bool:
         """Whether all checks hold."""
-        return bool(self["sound"])
+        return bool(self["valid"])
 
     @property
     def failed(self) -> list[Record]:

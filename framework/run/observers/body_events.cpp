@@ -51,11 +51,11 @@ class BodyEvents : public RunObserver {
   }
 
   /// Without velocities heights and turns alone.
-  void read(std::size_t place, const double* position, const double* velocity) override {
+  void read(std::size_t point, const double* position, const double* velocity) override {
     for (std::size_t k = 0; k < watches_.size(); ++k) {
       const std::size_t b = watches_[k].body();
       const BodySlot<double>& slot = model_.bodies()[b].bound.slot;
-      BodyReading& reading = readings_[place][k];
+      BodyReading& reading = readings_[point][k];
       if (slot.rigid && !model_.bodies()[b].rotor) {
         reading.height = height_of(position[slot.centre + 1], 1);
         reading.turns = model_.rotation(b, position);
@@ -76,19 +76,19 @@ class BodyEvents : public RunObserver {
 
   void steps(const SignalBlock& block) override { look(block.times[0], readings_[0]); }
 
-  void place(const SignalSpan& span, std::size_t place) override {
-    if (span.is_dense && place > 0) {
+  void look_at_point(const SignalSpan& span, std::size_t point) override {
+    if (span.is_dense && point > 0) {
       // Between the ends, whose velocities are known.
       const double h = span.to - span.from;
-      const double theta = static_cast<double>(place) / 3.0;
+      const double theta = static_cast<double>(point) / 3.0;
       for (std::size_t k = 0; k < watches_.size(); ++k) {
         const BodyReading& a = readings_[0][k];
         const BodyReading& b = readings_[3][k];
-        readings_[place][k].height = hermite(theta, h, a.height, a.rise, b.height, b.rise);
-        readings_[place][k].turns = hermite(theta, h, a.turns, a.spin, b.turns, b.spin);
+        readings_[point][k].height = hermite(theta, h, a.height, a.rise, b.height, b.rise);
+        readings_[point][k].turns = hermite(theta, h, a.turns, a.spin, b.turns, b.spin);
       }
     }
-    look(span.times[place], readings_[place]);
+    look(span.times[point], readings_[point]);
   }
 
   void turned(std::size_t body, double turns) override {
@@ -133,7 +133,7 @@ class BodyEvents : public RunObserver {
   ObserverParts parts_;
   const Model& model_;
   std::vector<BodyWatch> watches_;
-  std::array<std::vector<BodyReading>, 4> readings_;  ///< at four places of a step
+  std::array<std::vector<BodyReading>, 4> readings_;  ///< at four points of a step
   std::string_view name_;                             ///< of the body whose event is looked for
   BodyWatch::Emit emit_;
 };

@@ -61,7 +61,7 @@ class SignalExtremes : public RunObserver {
       const CubicExtremes found =
           cubic_extremes(span.at[0][s], span.at[1][s], span.at[2][s], span.at[3][s]);
       for (int e = 0; e < found.count; ++e) {
-        if (!inside(found.place[e])) continue;
+        if (!inside(found.theta[e])) continue;
         extremes_.include(s, refined(span, s, found, e));
       }
     }
@@ -114,7 +114,7 @@ class SignalExtremes : public RunObserver {
       if (found.is_maximum[e] && value + near < extremes_.high(s)) return value;
       if (!found.is_maximum[e] && value - near > extremes_.low(s)) return value;
     }
-    return span.extreme_near(found.place[e], [s](const double* signals) { return signals[s]; });
+    return span.extreme_near(found.theta[e], [s](const double* signals) { return signals[s]; });
   }
 
   ObserverParts parts_;

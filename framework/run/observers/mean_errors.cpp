@@ -30,7 +30,7 @@ struct Series {
     double weight;
   };
   std::vector<Term> terms;
-  std::size_t place = 0;  ///< body * dimension + axis, without terms
+  std::size_t index = 0;  ///< body * dimension + axis, without terms
 };
 
 class MeanErrors : public RunObserver {
@@ -161,12 +161,12 @@ class MeanErrors : public RunObserver {
       now_[k] = 0.0;
       for (const Series::Term& term : one.terms) now_[k] += term.weight * integrals[term.rate];
       if (!one.terms.empty()) continue;
-      const std::size_t body = one.place / parts_.axes();
-      const auto axis = static_cast<int>(one.place % parts_.axes());
+      const std::size_t body = one.index / parts_.axes();
+      const auto axis = static_cast<int>(one.index % parts_.axes());
       double centre[3];
       model.centre(body, position, centre);
       const DoubleDouble moved =
-          model.placed(axis, centre[axis]) - parts_.window.from().place(one.place);
+          model.placed(axis, centre[axis]) - parts_.window.from().position(one.index);
       now_[k] = static_cast<double>(moved);
     }
   }

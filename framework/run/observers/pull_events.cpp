@@ -96,7 +96,7 @@ class PullEvents : public RunObserver {
   void next_window() override { slips_.start(); }
   void placed() override;
   void steps(const SignalBlock& block) override;
-  void place(const SignalSpan& span, std::size_t k) override;
+  void look_at_point(const SignalSpan& span, std::size_t k) override;
   void span(const SignalSpan& span) override;
   void path_slip(const PathSlip& slip) override;
   void force_changed(std::string_view force) override;
@@ -306,7 +306,7 @@ void PullEvents::steps(const SignalBlock& block) {
   }
 }
 
-void PullEvents::place(const SignalSpan& span, std::size_t k) {
+void PullEvents::look_at_point(const SignalSpan& span, std::size_t k) {
   if (k == 0) static_force_.note_slipping();
   watch(span.times[k], span.at[k].data());
 }

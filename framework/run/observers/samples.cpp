@@ -106,7 +106,7 @@ double Samples::next_time() const {
   return std::abs(time - end) <= kNoStep * every ? end : time;
 }
 
-bool Samples::is_due(double time) const {
+bool Samples::is_taken_at(double time) const {
   return wanted_ &&
          static_cast<double>(*next_) * *parts_.run.scene->output.every <= time * (1.0 + kNoStep);
 }

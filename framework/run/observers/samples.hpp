@@ -9,8 +9,8 @@
 
 namespace tomlin::observers {
 
-/// Rows of the table of samples, and particles' places, at equal times: for the run's sink, and for
-/// the observers of the scene.
+/// Rows of the table of samples, and particles' positions, at equal times: for the run's sink, and
+/// for the observers of the scene.
 class Samples {
  public:
   explicit Samples(const ObserverParts& parts);
@@ -20,12 +20,12 @@ class Samples {
   void declare(StateLayout& layout) const { layout.add_integers("samples.next", 1); }
   void attach(RunState& state) { next_ = state.integers("samples.next"); }
   bool are_wanted() const { return wanted_; }
-  /// Columns of the table, and whose places come with them: what a sink that wants samples gets.
+  /// Columns of the table, and whose positions come with them: what a sink that wants samples gets.
   RunLayout layout() const;
   void begin_sink();
   /// The time of the next sample; infinite where none is wanted.
   double next_time() const;
-  bool is_due(double time) const;
+  bool is_taken_at(double time) const;
   /// At multiples of this time, for the sink alone: moments need no more than the state and rates.
   bool are_taken_every(double time) const;
   void take(const RunMoment& moment);

@@ -10,7 +10,7 @@ namespace tomlin::observers {
 
 ShownScene::ShownScene(const ObserverParts& parts) : parts_(parts) {
   for (const Model::Body& body : parts.run.model.bodies()) {
-    places_.emplace_back(body.bound.slot.count * parts.axes());
+    positions_.emplace_back(body.bound.slot.count * parts.axes());
     velocities_.emplace_back(body.bound.slot.count * parts.axes());
   }
   const std::vector<Model::Driver>& drivers = parts.signals.drivers();
@@ -27,7 +27,7 @@ void ShownScene::look(const RunMoment& moment) {
   time_ = moment.time;
   for (std::size_t b = 0; b < model.bodies().size(); ++b) {
     const BodySlot<double>& slot = model.bodies()[b].bound.slot;
-    model.place_particles(b, moment.position, places_[b].data());
+    model.place_particles(b, moment.position, positions_[b].data());
     const double* from = (slot.mapped ? view.mapped_velocity : moment.velocity) + slot.offset;
     for (std::size_t i = 0; i < slot.count; ++i) {
       for (std::size_t d = 0; d < axes; ++d) {
@@ -42,7 +42,7 @@ ObservedMoment ShownScene::to(const SceneObserver& observer) {
   bodies_.clear();
   for (const std::size_t b : observer.bodies) {
     const BoundBody<double>& body = parts_.run.model.bodies()[b].bound;
-    bodies_.push_back({body.name, body.mass, places_[b], velocities_[b]});
+    bodies_.push_back({body.name, body.mass, positions_[b], velocities_[b]});
   }
   return {time_, parts_.run.model.dimension(), bodies_, drivers_};
 }

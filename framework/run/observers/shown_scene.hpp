@@ -21,7 +21,7 @@ class ShownScene {
  private:
   ObserverParts parts_;
   double time_ = 0.0;
-  std::vector<std::vector<double>> places_;      ///< of each body's particles
+  std::vector<std::vector<double>> positions_;   ///< of each body's particles
   std::vector<std::vector<double>> velocities_;  ///< likewise
   std::vector<double> forces_;                   ///< [driver][axis]
   std::vector<ObservedBody> bodies_;

@@ -33,7 +33,7 @@ void StaticForce::add(const SignalSpan& span) {
     }
     const CubicExtremes found = cubic_extremes(powers[0], powers[1], powers[2], powers[3]);
     for (int e = 0; e < found.count; ++e) {
-      if (found.is_maximum[e]) include_maximum(span, k, found.place[e], found.value[e]);
+      if (found.is_maximum[e]) include_maximum(span, k, found.theta[e], found.value[e]);
     }
   }
 }

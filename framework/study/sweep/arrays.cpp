@@ -72,7 +72,7 @@ class SweepArrays {
     const Hdf5Handle reason = variable("reason", strings_, all_dimensions());
     text_attribute(reason, "long_name", "why a run has not finished");
 
-    for_each_block([&](std::size_t first, const Hdf5Handle& place, std::size_t count) {
+    for_each_block([&](std::size_t first, const Hdf5Handle& selection, std::size_t count) {
       std::vector<SweepRow> rows(count);
       order_.read(journal, first, rows);
       const Hdf5Handle memory = simple({count});
@@ -80,7 +80,7 @@ class SweepArrays {
       for (std::size_t k = 0; k < columns.size(); ++k) {
         std::transform(rows.begin(), rows.end(), numbers.begin(),
                        [k](const SweepRow& row) { return row.numbers[k]; });
-        write_block(columns[k], H5T_NATIVE_DOUBLE, memory, place, numbers.data());
+        write_block(columns[k], H5T_NATIVE_DOUBLE, memory, selection, numbers.data());
       }
       std::vector<std::int8_t> statuses(count);
       std::vector<const char*> reasons(count);
@@ -88,8 +88,8 @@ class SweepArrays {
         statuses[k] = static_cast<std::int8_t>(rows[k].status);
         reasons[k] = rows[k].reason.c_str();
       }
-      write_block(status, H5T_NATIVE_INT8, memory, place, statuses.data());
-      write_block(reason, strings_, memory, place, reasons.data());
+      write_block(status, H5T_NATIVE_INT8, memory, selection, statuses.data());
+      write_block(reason, strings_, memory, selection, reasons.data());
     });
     scales_.clear();
     for (Hdf5Handle& column : columns) column.close();
@@ -209,8 +209,8 @@ class SweepArrays {
   }
 
   void write_block(const Hdf5Handle& into, hid_t type, const Hdf5Handle& memory,
-                   const Hdf5Handle& place, const void* values) const {
-    file_.check(H5Dwrite(into, type, memory, place, H5P_DEFAULT, values));
+                   const Hdf5Handle& selection, const void* values) const {
+    file_.check(H5Dwrite(into, type, memory, selection, H5P_DEFAULT, values));
   }
 
   hid_t type_of(const SweepValues& values) const {
@@ -266,7 +266,7 @@ class SweepArrays {
     write_values(variable(plan_.axis_title(axis), type_of(plan_.axes()[axis].values), {d}), axis);
   }
 
-  /// Parts of all points in their order, each with its place among the dimensions: the first
+  /// Parts of all points in their order, each with its index among the dimensions: the first
   /// indices are fixed, the next one runs over a range, and the last ones over all values.
   void for_each_block(
       const std::function<void(std::size_t, const Hdf5Handle&, std::size_t)>& visit) const {

@@ -106,10 +106,10 @@ SweepJournal::Found SweepJournal::look(const std::filesystem::path& file, const 
   }
   const auto header = header_in(file, descriptor);
   if (!header) return Found::nothing;
-  const SweepHeader due = header_of(plan);
-  if (header->version != due.version) return Found::other_version;
-  const bool same = header->identity == due.identity && header->points == due.points &&
-                    header->columns == due.columns;
+  const SweepHeader expected = header_of(plan);
+  if (header->version != expected.version) return Found::other_version;
+  const bool same = header->identity == expected.identity && header->points == expected.points &&
+                    header->columns == expected.columns;
   return same ? Found::same_sweep : Found::other_sweep;
 }
 
@@ -136,7 +136,7 @@ SweepJournal::SweepJournal(std::filesystem::path file, const SweepPlan& plan, Us
   if (!same) {
     if (const int error = write_at(descriptor_, bytes, 0)) fail(error);
   }
-  end_ = std::max(place(has_.size()), size_of(descriptor_));
+  end_ = std::max(offset_of(has_.size()), size_of(descriptor_));
   if (same) find_rows();
 }
 
@@ -167,7 +167,7 @@ void SweepJournal::keep(std::size_t point, const SweepRow& row) {
   record.number(start);
   record.numbers(row.numbers);
   std::uint64_t checksum = seed_;
-  if (const int error = write_at(descriptor_, record.seal(checksum), place(point))) fail(error);
+  if (const int error = write_at(descriptor_, record.seal(checksum), offset_of(point))) fail(error);
   has_[point] = 1;
 }
 
@@ -219,7 +219,7 @@ void SweepJournal::find_rows() {
   std::vector<std::byte> block(std::min(kRecordsReadAtOnce, has_.size()) * record_size_);
   SweepRow row;
   for (std::size_t first = 0; first < has_.size(); first += kRecordsReadAtOnce) {
-    const std::ptrdiff_t got = read_at(descriptor_, block, place(first));
+    const std::ptrdiff_t got = read_at(descriptor_, block, offset_of(first));
     if (got < 0) fail(static_cast<int>(-got));
     if (got == 0) return;
     const std::size_t whole = static_cast<std::size_t>(got) / record_size_;
@@ -233,7 +233,7 @@ void SweepJournal::find_rows() {
 
 void SweepJournal::read(std::size_t first, std::span<SweepRow> rows) const {
   std::vector<std::byte> block(rows.size() * record_size_);
-  const std::ptrdiff_t got = read_at(descriptor_, block, place(first));
+  const std::ptrdiff_t got = read_at(descriptor_, block, offset_of(first));
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const auto record = std::span(block).subspan(k * record_size_, record_size_);
     if (got < static_cast<std::ptrdiff_t>((k + 1) * record_size_) ||

@@ -17,10 +17,10 @@
 namespace tomlin {
 
 /// The rows of a sweep in a file: a header, then a record of fixed size for each number of a point
-/// at its own place, then one of the whole sweep once it is over, then the reasons of those that
+/// at its own offset, then one of the whole sweep once it is over, then the reasons of those that
 /// have not finished. A record is seeded with the
 /// checksum of the header and holds the number of its point: one of another sweep, of another
-/// point, or that was written in part only, is no record, and its point is run again. Places that
+/// point, or that was written in part only, is no record, and its point is run again. Offsets that
 /// were never written take no room on the disk.
 class SweepJournal : public SweepRows {
  public:
@@ -48,7 +48,7 @@ class SweepJournal : public SweepRows {
   void read(std::size_t first, std::span<SweepRow> rows) const;
 
  private:
-  std::size_t place(std::size_t point) const { return records_at_ + point * record_size_; }
+  std::size_t offset_of(std::size_t point) const { return records_at_ + point * record_size_; }
   bool decode(std::size_t point, std::span<const std::byte> record, SweepRow& row) const;
   void find_rows();
   [[noreturn]] void fail(int error) const;

@@ -40,7 +40,7 @@ std::vector<std::byte> to_bytes(std::size_t next, const FinalState& state) {
   write_quads(record, state.own);
   for (const FinalState::Support& support : state.supports) {
     record.text(support.name);
-    write_quads(record, support.place);
+    write_quads(record, support.position);
   }
   std::uint64_t checksum = kFirstChecksum;
   const auto whole = record.seal(checksum);
@@ -62,7 +62,7 @@ FinalState from_bytes(const std::string& file, std::span<const std::byte> bytes,
   while (record.left() > 0) {
     FinalState::Support& support = state.supports.emplace_back();
     support.name = record.text();
-    support.place = read_quads(record);
+    support.position = read_quads(record);
   }
   return state;
 }

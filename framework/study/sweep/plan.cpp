@@ -179,10 +179,10 @@ std::optional<Fault> SweepPlan::fault_of(const std::vector<Setting>& settings,
   } catch (const InputError& error) {
     Extent of_setting;
     of_setting.setting = static_cast<std::uint32_t>(n + 1);
-    const std::string place = Source("", "", settings).place(of_setting).file;
+    const std::string location = Source("", "", settings).location(of_setting).file;
     const auto found =
-        std::find_if(error.faults().begin(), error.faults().end(), [&place](const Fault& fault) {
-          return fault.place.file == place && is_wrong_anyway(fault);
+        std::find_if(error.faults().begin(), error.faults().end(), [&location](const Fault& fault) {
+          return fault.location.file == location && is_wrong_anyway(fault);
         });
     if (found != error.faults().end()) return *found;
   }
@@ -219,7 +219,7 @@ void SweepPlan::check_axis(std::size_t index, std::vector<Fault>& faults) {
     const bool of_name = found->code == FaultCode::scene_unknown_key ||
                          found->code == FaultCode::scene_unknown_name ||
                          found->code == FaultCode::command_invalid_value;
-    found->place = axis.place;
+    found->location = axis.location;
     found->value = shortened(axis.values.text(k), kLongestShownValue);
     faults.push_back(*std::move(found));
     if (of_name || faults.size() == before + kMostWrongValues) return;
@@ -247,25 +247,25 @@ void SweepPlan::find_observables(std::vector<Fault>& faults) {
   if (!result) throw InputError(*refused);
 
   for (const std::string& given : sweep_.observables) {
-    find_observable(*result, given, sweep_.observables_place, faults);
+    find_observable(*result, given, sweep_.observables_location, faults);
   }
   const std::string refined = refined_observable(sweep_.refine);
   if (refined.empty()) return;
-  const Place& place = sweep_.refine.what->place;
-  find_observable(*result, refined, place, faults);
+  const SourceLocation& location = sweep_.refine.what->location;
+  find_observable(*result, refined, location, faults);
   if (!faults.empty()) return;
-  const std::string path = full_path(*result, refined, place);
+  const std::string path = full_path(*result, refined, location);
   refined_column_ =
       static_cast<std::size_t>(std::find(paths_.begin(), paths_.end(), path) - paths_.begin());
 }
 
 /// One that is there already comes once.
 void SweepPlan::find_observable(const RunResult& result, const std::string& given,
-                                const Place& place, std::vector<Fault>& faults) {
+                                const SourceLocation& location, std::vector<Fault>& faults) {
   try {
-    const std::string path = full_path(result, given, place);
+    const std::string path = full_path(result, given, location);
     if (path.starts_with("performance.")) {
-      faults.emplace_back(FaultCode::command_invalid_value, place, given, "",
+      faults.emplace_back(FaultCode::command_invalid_value, location, given, "",
                           "how fast a run was is not a result of it", "an observable of the scene");
       return;
     }

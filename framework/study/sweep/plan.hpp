@@ -25,7 +25,7 @@
 ///   SweepQueue    hands out the points that have no row yet, some at a time.
 ///   run_sweep()   threads that take points from the queue, run them and keep their rows.
 ///   SweepRows     where rows are kept: SweepJournal, fixed-size checked records in a file, each
-///                 at its own place, so that the order in which points end leaves no trace.
+///                 under its own number, so that the order in which points end leaves no trace.
 ///   write_...()   sweep.csv and sweep.h5, made from the rows in the order of the points.
 ///
 /// A row depends on its point alone and has the bits of `tomlin run` with the point's settings.
@@ -145,8 +145,8 @@ class SweepPlan {
   bool is_accepted(std::size_t point);
   std::optional<Fault> fault_of(const std::vector<Setting>& settings, std::size_t n) const;
   void find_observables(std::vector<Fault>& faults);
-  void find_observable(const RunResult& result, const std::string& given, const Place& place,
-                       std::vector<Fault>& faults);
+  void find_observable(const RunResult& result, const std::string& given,
+                       const SourceLocation& location, std::vector<Fault>& faults);
   void name_columns();
   std::string scene_without_sweep();
   std::string write_scene();

@@ -63,7 +63,7 @@ class LengthBySimpson {
 double unevenness(double a, double b, const BodyGeometry& geometry) {
   const LengthBySimpson length(a, b);
   const std::size_t count = geometry.relative.size();
-  const long double due =
+  const long double expected =
       geometry.rolling_radius * static_cast<long double>(kTau) / static_cast<long double>(count);
   double worst = 0.0;
   for (std::size_t i = 0; i < count; ++i) {
@@ -73,7 +73,7 @@ double unevenness(double a, double b, const BodyGeometry& geometry) {
     long double end = std::atan2(to[1] / static_cast<long double>(b), to[0] / a);
     if (!(end > start)) end += 2.0L * std::acos(-1.0L);
     const long double found = length.between(start, end);
-    worst = std::fmax(worst, static_cast<double>(std::fabs(found - due)));
+    worst = std::fmax(worst, static_cast<double>(std::fabs(found - expected)));
   }
   return worst;
 }
@@ -162,9 +162,9 @@ TEST(Ellipse, HasTheInertiaOfItsParticles) {
   constexpr double kRelative = 1e-13;  // sums of some hundred terms
   // At equal angles it is half the sum of the squared axes per particle, for any count from 3 on.
   for (const int count : {3, 4, 11, 200}) {
-    const double due = 0.5 * count * (1.3 * 1.3 + 0.4 * 0.4);
-    EXPECT_NEAR(inertia_of("ellipse", ellipse(1.3, 0.4, count, "spacing = \"angle\"")), due,
-                kRelative * due);
+    const double expected = 0.5 * count * (1.3 * 1.3 + 0.4 * 0.4);
+    EXPECT_NEAR(inertia_of("ellipse", ellipse(1.3, 0.4, count, "spacing = \"angle\"")), expected,
+                kRelative * expected);
   }
   // At equal arcs the sum converges exponentially to the inertia of a uniform wire.
   double wire = 0.0;

@@ -101,18 +101,18 @@ TEST(Flake, BondsAreAllPairsAtTheDistanceOfNearestNeighbours) {
     for (const int n : {1, 2, 3, 4}) {
       const std::string keys = flake(lattice, shape, number(n), "misfit = 0.4");
       const Positions found = positions_in(keys);
-      std::vector<IndexPair> due;
+      std::vector<IndexPair> expected;
       for (std::size_t i = 0; i < found.size(); ++i) {
         for (std::size_t j = i + 1; j < found.size(); ++j) {
           const double distance = apart(found[i], found[j]);
           EXPECT_GT(distance, bond - kRoundings);
           if (distance < 1.1 * bond) {
             EXPECT_NEAR(distance, bond, kRoundings);
-            due.push_back({static_cast<std::int64_t>(i), static_cast<std::int64_t>(j)});
+            expected.push_back({static_cast<std::int64_t>(i), static_cast<std::int64_t>(j)});
           }
         }
       }
-      EXPECT_EQ(bonds_of("flake", keys), due) << lattice << " " << shape << " " << n;
+      EXPECT_EQ(bonds_of("flake", keys), expected) << lattice << " " << shape << " " << n;
     }
   }
 }

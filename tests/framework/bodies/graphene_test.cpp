@@ -42,15 +42,16 @@ TEST(Graphene, HasThreeNeighboursOfEachAtomAtTheBondLengthInAPeriodicBox) {
       const std::string keys = sheet(along ? along_x : along_y, along ? along_y : along_x,
                                      along ? "" : "armchair = \"y\"");
       const auto box = box_of_sheet(along ? along_x : along_y, along ? along_y : along_x, along);
-      const Places places = shape_of("graphene", keys).relative;
-      ASSERT_EQ(places.size(), 4U * along_x * along_y);
-      const auto near = pairs_within(places, box, 1.2 * kBond);
-      EXPECT_EQ(count_with(partners(near, places.size()), 3), places.size()) << keys;
+      const ParticlePositions positions = shape_of("graphene", keys).relative;
+      ASSERT_EQ(positions.size(), 4U * along_x * along_y);
+      const auto near = pairs_within(positions, box, 1.2 * kBond);
+      EXPECT_EQ(count_with(partners(near, positions.size()), 3), positions.size()) << keys;
       for (const auto& [i, j] : near) {
-        EXPECT_NEAR(length_of(to_nearest_image(places[i], places[j], box)), kBond, kSheetRounding);
+        EXPECT_NEAR(length_of(to_nearest_image(positions[i], positions[j], box)), kBond,
+                    kSheetRounding);
       }
       // No atom is nearer than the second neighbours but these.
-      EXPECT_EQ(pairs_within(places, box, std::sqrt(3.0) * kBond - 1e-9), near) << keys;
+      EXPECT_EQ(pairs_within(positions, box, std::sqrt(3.0) * kBond - 1e-9), near) << keys;
       EXPECT_EQ(bonds_of("graphene", keys, as_array(box)), near) << keys;
     }
   }
@@ -59,10 +60,10 @@ TEST(Graphene, HasThreeNeighboursOfEachAtomAtTheBondLengthInAPeriodicBox) {
 // Each edge cuts one bond of each of its particles; two of the four corners are cut twice.
 TEST(Graphene, EndsInEdgesOfTwoNeighboursEach) {
   for (const auto& [along_x, along_y] : {std::array{1, 1}, {1, 4}, {6, 1}, {4, 5}}) {
-    const Places places = shape_of("graphene", sheet(along_x, along_y)).relative;
-    const auto near = pairs_within(places, {0.0, 0.0, 0.0}, 1.2 * kBond);
+    const ParticlePositions positions = shape_of("graphene", sheet(along_x, along_y)).relative;
+    const auto near = pairs_within(positions, {0.0, 0.0, 0.0}, 1.2 * kBond);
     EXPECT_EQ(bonds_of("graphene", sheet(along_x, along_y)), near);
-    const auto numbers = partners(near, places.size());
+    const auto numbers = partners(near, positions.size());
     EXPECT_EQ(near.size(), 6U * along_x * along_y - along_y - 2U * along_x);
     EXPECT_EQ(count_with(numbers, 1), 2U);
     EXPECT_EQ(count_with(numbers, 0), 0U);
@@ -74,7 +75,7 @@ TEST(Graphene, EndsInEdgesOfTwoNeighboursEach) {
       std::vector<double> one(3, 0.0);
       one[axis] = box[axis];
       EXPECT_EQ(bonds_of("graphene", sheet(along_x, along_y), as_array(one)),
-                pairs_within(places, one, 1.2 * kBond));
+                pairs_within(positions, one, 1.2 * kBond));
     }
   }
 }
@@ -100,8 +101,8 @@ TEST(Graphene, IsFlatAndAboutItsCentre) {
 }
 
 TEST(Graphene, HasItsArmchairDirectionAlongEitherAxis) {
-  const Places along_x = shape_of("graphene", sheet(3, 5)).relative;
-  const Places along_y = shape_of("graphene", sheet(5, 3, "armchair = \"y\"")).relative;
+  const ParticlePositions along_x = shape_of("graphene", sheet(3, 5)).relative;
+  const ParticlePositions along_y = shape_of("graphene", sheet(5, 3, "armchair = \"y\"")).relative;
   for (std::size_t i = 0; i < along_x.size(); ++i) {
     EXPECT_EQ(along_x[i][0], along_y[i][1]);
     EXPECT_EQ(along_x[i][1], along_y[i][0]);
@@ -130,13 +131,13 @@ TEST(Graphene, FillsASizeWithWholeCells) {
 TEST(Graphene, KeepsEightConsecutiveAtomsTogether) {
   const double turn = std::hypot(5.0, std::sqrt(0.75)) * kBond;
   for (const auto& [along_x, along_y] : {std::array{5, 8}, {5, 7}, {1, 9}, {9, 1}, {8, 3}}) {
-    Places places = shape_of("graphene", sheet(along_x, along_y)).relative;
-    EXPECT_LE(largest_group_of_eight(places), turn + kSheetRounding);
+    ParticlePositions positions = shape_of("graphene", sheet(along_x, along_y)).relative;
+    EXPECT_LE(largest_group_of_eight(positions), turn + kSheetRounding);
     // The control: in another order they are not.
-    std::shuffle(places.begin(), places.end(), std::mt19937_64(7));
-    EXPECT_GT(largest_group_of_eight(places), 1.2 * turn);
+    std::shuffle(positions.begin(), positions.end(), std::mt19937_64(7));
+    EXPECT_GT(largest_group_of_eight(positions), 1.2 * turn);
   }
-  const Places even = shape_of("graphene", sheet(5, 8)).relative;
+  const ParticlePositions even = shape_of("graphene", sheet(5, 8)).relative;
   EXPECT_LE(largest_group_of_eight(even), std::hypot(2.0, std::sqrt(6.75)) * kBond + 1e-9);
 }
 

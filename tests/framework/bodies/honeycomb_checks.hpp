@@ -10,7 +10,7 @@
 /// Checks of every honeycomb, on a sheet or rolled up: distances computed from positions alone.
 namespace tomlin::test {
 
-using Places = std::vector<std::vector<double>>;
+using ParticlePositions = std::vector<std::vector<double>>;
 
 /// From one particle to the nearest image of another, along axes with a length in the box.
 inline std::vector<double> to_nearest_image(const std::vector<double>& from,
@@ -31,14 +31,14 @@ inline double length_of(const std::vector<double>& x) {
 }
 
 /// All pairs within a distance, in ascending order. Every pair is looked at.
-inline std::vector<IndexPair> pairs_within(const Places& places, const std::vector<double>& box,
-                                           double distance) {
+inline std::vector<IndexPair> pairs_within(const ParticlePositions& positions,
+                                           const std::vector<double>& box, double distance) {
   std::vector<IndexPair> pairs;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    for (std::size_t j = i + 1; j < places.size(); ++j) {
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    for (std::size_t j = i + 1; j < positions.size(); ++j) {
       double square = 0.0;
       for (std::size_t d = 0; d < box.size(); ++d) {
-        double apart = places[j][d] - places[i][d];
+        double apart = positions[j][d] - positions[i][d];
         if (box[d] > 0.0) apart -= box[d] * std::round(apart / box[d]);
         square += apart * apart;
       }
@@ -64,17 +64,17 @@ inline std::size_t count_with(const std::vector<std::size_t>& numbers, std::size
 }
 
 /// The longest diagonal of the boxes around eight particles each, in the order of their numbers.
-inline double largest_group_of_eight(const Places& places) {
+inline double largest_group_of_eight(const ParticlePositions& positions) {
   double largest = 0.0;
-  for (std::size_t first = 0; first < places.size(); first += 8) {
-    const std::size_t end = std::min(first + 8, places.size());
-    std::vector<double> extent(places.front().size(), 0.0);
+  for (std::size_t first = 0; first < positions.size(); first += 8) {
+    const std::size_t end = std::min(first + 8, positions.size());
+    std::vector<double> extent(positions.front().size(), 0.0);
     for (std::size_t d = 0; d < extent.size(); ++d) {
-      double low = places[first][d];
+      double low = positions[first][d];
       double high = low;
       for (std::size_t i = first; i < end; ++i) {
-        low = std::min(low, places[i][d]);
-        high = std::max(high, places[i][d]);
+        low = std::min(low, positions[i][d]);
+        high = std::max(high, positions[i][d]);
       }
       extent[d] = high - low;
     }

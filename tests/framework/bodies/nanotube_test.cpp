@@ -60,26 +60,26 @@ ClosedForms closed_forms(int n, int m) {
 }
 
 /// Unrolled: along the circumference and along the axis x.
-Places unrolled(const Places& places, double radius) {
-  Places flat;
-  for (const auto& x : places) flat.push_back({radius * std::atan2(x[2], x[1]), x[0]});
+ParticlePositions unrolled(const ParticlePositions& positions, double radius) {
+  ParticlePositions flat;
+  for (const auto& x : positions) flat.push_back({radius * std::atan2(x[2], x[1]), x[0]});
   return flat;
 }
 
 TEST(Nanotube, HasTheClosedFormsOfItsChirality) {
   for (const auto& [n, m] : kTubes) {
-    const ClosedForms due = closed_forms(n, m);
+    const ClosedForms expected = closed_forms(n, m);
     const BodyGeometry shape = shape_of("nanotube", tube(n, m, "cells = 3"));
-    EXPECT_NEAR(shape.rolling_radius, due.radius, kTubeRounding) << n << " " << m;
-    ASSERT_EQ(shape.relative.size(), 3 * due.particles) << n << " " << m;
+    EXPECT_NEAR(shape.rolling_radius, expected.radius, kTubeRounding) << n << " " << m;
+    ASSERT_EQ(shape.relative.size(), 3 * expected.particles) << n << " " << m;
     for (const auto& x : shape.relative) {
-      EXPECT_NEAR(std::hypot(x[1], x[2]), due.radius, kTubeRounding);
+      EXPECT_NEAR(std::hypot(x[1], x[2]), expected.radius, kTubeRounding);
     }
     // A cell is the one before, moved along the axis.
-    for (std::size_t i = due.particles; i < shape.relative.size(); ++i) {
+    for (std::size_t i = expected.particles; i < shape.relative.size(); ++i) {
       const auto& here = shape.relative[i];
-      const auto& before = shape.relative[i - due.particles];
-      EXPECT_NEAR(here[0] - before[0], due.cell, kTubeRounding) << n << " " << m;
+      const auto& before = shape.relative[i - expected.particles];
+      EXPECT_NEAR(here[0] - before[0], expected.cell, kTubeRounding) << n << " " << m;
       EXPECT_EQ(here[1], before[1]);
       EXPECT_EQ(here[2], before[2]);
     }
@@ -90,16 +90,16 @@ TEST(Nanotube, HasThreeNeighboursOfEachAtomAtTheBondLengthOfTheSheet) {
   for (const auto& [n, m] : kTubes) {
     const ClosedForms form = closed_forms(n, m);
     const int cells = static_cast<int>(std::ceil(8.0 / form.cell));
-    const Places places =
+    const ParticlePositions positions =
         shape_of("nanotube", tube(n, m, "cells = " + std::to_string(cells))).relative;
-    const Places flat = unrolled(places, form.radius);
+    const ParticlePositions flat = unrolled(positions, form.radius);
     for (const bool periodic : {true, false}) {
       const double length = periodic ? cells * form.cell : 0.0;
       const std::vector<double> sheet = {kTau * form.radius, length};
       const auto near = pairs_within(flat, sheet, 1.2 * kCarbon);
-      const auto numbers = partners(near, places.size());
+      const auto numbers = partners(near, positions.size());
       if (periodic) {
-        EXPECT_EQ(count_with(numbers, 3), places.size()) << n << " " << m;
+        EXPECT_EQ(count_with(numbers, 3), positions.size()) << n << " " << m;
       }
       for (const auto& [i, j] : near) {
         const auto bond = to_nearest_image(flat[i], flat[j], sheet);
@@ -107,8 +107,8 @@ TEST(Nanotube, HasThreeNeighboursOfEachAtomAtTheBondLengthOfTheSheet) {
         // In space the arc becomes its chord.
         const double chord =
             std::hypot(2.0 * form.radius * std::sin(bond[0] / (2.0 * form.radius)), bond[1]);
-        EXPECT_NEAR(length_of(to_nearest_image(places[i], places[j], {length, 0.0, 0.0})), chord,
-                    kTubeRounding);
+        EXPECT_NEAR(length_of(to_nearest_image(positions[i], positions[j], {length, 0.0, 0.0})),
+                    chord, kTubeRounding);
         EXPECT_LE(chord, kCarbon + kTubeRounding);
       }
       EXPECT_EQ(pairs_within(flat, sheet, std::sqrt(3.0) * kCarbon - 1e-9), near) << n << " " << m;
@@ -135,13 +135,13 @@ TEST(Nanotube, EndsWithTwoNeighboursOfEachAtomThere) {
 }
 
 /// The sheet rolled up without whole numbers: all lattice points of a large parallelogram, those
-/// kept whose place along the tube is in one cell, each once.
-Places rolled_up(int n, int m) {
+/// kept whose position along the tube is in one cell, each once.
+ParticlePositions rolled_up(int n, int m) {
   const ClosedForms form = closed_forms(n, m);
   const double a = std::sqrt(3.0) * kCarbon;
   const std::array<double, 2> chiral = {a * (n + 0.5 * m), a * 0.5 * std::sqrt(3.0) * m};
   const double around = std::hypot(chiral[0], chiral[1]);
-  Places found;
+  ParticlePositions found;
   const int reach = 6 * (n + m) + 6;
   for (int i = -reach; i <= reach; ++i) {
     for (int j = -reach; j <= reach; ++j) {
@@ -165,9 +165,9 @@ TEST(Nanotube, IsTheSheetRolledUpWithItsHandedness) {
   for (const auto& [n, m] : kTubes) {
     if (n + m > 8) continue;  // every pair is looked at
     const ClosedForms form = closed_forms(n, m);
-    const Places due = rolled_up(n, m);
-    const Places found = shape_of("nanotube", tube(n, m, "cells = 1")).relative;
-    ASSERT_EQ(found.size(), due.size()) << n << " " << m;
+    const ParticlePositions expected = rolled_up(n, m);
+    const ParticlePositions found = shape_of("nanotube", tube(n, m, "cells = 1")).relative;
+    ASSERT_EQ(found.size(), expected.size()) << n << " " << m;
     const auto worst_after = [&](const std::vector<double>& from, double mirror) {
       const double turn = std::atan2(from[2], from[1]);
       double worst = 0.0;
@@ -175,7 +175,7 @@ TEST(Nanotube, IsTheSheetRolledUpWithItsHandedness) {
         const double y = std::cos(turn) * x[1] + std::sin(turn) * x[2];
         const double z = mirror * (std::cos(turn) * x[2] - std::sin(turn) * x[1]);
         double nearest = 1e300;
-        for (const auto& candidate : due) {
+        for (const auto& candidate : expected) {
           nearest = std::min(nearest, length_of(to_nearest_image({x[0] - from[0], y, z}, candidate,
                                                                  {form.cell, 0.0, 0.0})));
         }
@@ -197,10 +197,13 @@ TEST(Nanotube, IsTheSheetRolledUpWithItsHandedness) {
 }
 
 TEST(Nanotube, LiesAlongAnyAxisAndIsRolledCounterClockwise) {
-  const Places along_x = shape_of("nanotube", tube(4, 2, "cells = 1")).relative;
-  const Places along_y = shape_of("nanotube", tube(4, 2, "cells = 1", "axis = \"y\"")).relative;
-  const Places along_z = shape_of("nanotube", tube(4, 2, "cells = 1", "axis = \"z\"")).relative;
-  const Places rolled = shape_of("nanotube", tube(4, 2, "cells = 1", "roll = 0.3")).relative;
+  const ParticlePositions along_x = shape_of("nanotube", tube(4, 2, "cells = 1")).relative;
+  const ParticlePositions along_y =
+      shape_of("nanotube", tube(4, 2, "cells = 1", "axis = \"y\"")).relative;
+  const ParticlePositions along_z =
+      shape_of("nanotube", tube(4, 2, "cells = 1", "axis = \"z\"")).relative;
+  const ParticlePositions rolled =
+      shape_of("nanotube", tube(4, 2, "cells = 1", "roll = 0.3")).relative;
   for (std::size_t i = 0; i < along_x.size(); ++i) {
     const auto& x = along_x[i];
     EXPECT_EQ(along_y[i], (std::vector<double>{x[2], x[0], x[1]}));
@@ -257,12 +260,12 @@ TEST(Nanotube, FillsALengthWithWholeCells) {
 // diagonal is at most about seven bonds: two slabs of three bonds, and half a group around.
 TEST(Nanotube, KeepsEightConsecutiveAtomsTogether) {
   for (const auto& [n, m] : kTubes) {
-    Places places = shape_of("nanotube", tube(n, m, "length = 80")).relative;
+    ParticlePositions positions = shape_of("nanotube", tube(n, m, "length = 80")).relative;
     const double limit = 7.0 * kCarbon;
-    EXPECT_LE(largest_group_of_eight(places), limit) << n << " " << m;
+    EXPECT_LE(largest_group_of_eight(positions), limit) << n << " " << m;
     // The control: in another order they are not.
-    std::shuffle(places.begin(), places.end(), std::mt19937_64(11));
-    EXPECT_GT(largest_group_of_eight(places), 2.0 * limit) << n << " " << m;
+    std::shuffle(positions.begin(), positions.end(), std::mt19937_64(11));
+    EXPECT_GT(largest_group_of_eight(positions), 2.0 * limit) << n << " " << m;
   }
 }
 

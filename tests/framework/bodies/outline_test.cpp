@@ -219,10 +219,10 @@ TEST(Rolling, BodiesWithTheParticlesOfARingMoveAsItDoes) {
     }
     EXPECT_TRUE(same_bits(driver_of(*other, "driver")["mean_force"],
                           driver_of(ring, "driver")["mean_force"]));
-    const double due =
+    const double wanted =
         *body_of(ring, "body")["rolling"].begin() * (other == &polygon ? ratio : 1.0);
-    EXPECT_NE(due, 0.0);
-    EXPECT_NEAR(*body_of(*other, "body")["rolling"].begin(), due, 1e-12);
+    EXPECT_NE(wanted, 0.0);
+    EXPECT_NEAR(*body_of(*other, "body")["rolling"].begin(), wanted, 1e-12);
   }
 }
 

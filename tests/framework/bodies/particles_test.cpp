@@ -128,19 +128,19 @@ PointList read(const std::string& text) {
 /// "LINE:COLUMN" of each fault; no column where the line as a whole is wrong.
 Lines refused(const std::string& text) {
   static const std::regex form("f:([0-9]+): (?:column ([0-9]+) )?.*");
-  Lines places;
+  Lines lines;
   for (const std::string& fault : parsed_rows(text).faults) {
-    places.push_back(std::regex_replace(fault, form, "$1:$2"));
+    lines.push_back(std::regex_replace(fault, form, "$1:$2"));
   }
-  return places;
+  return lines;
 }
 
 TEST(NumberFile, TakesColumnsCommentsAndBlankLines) {
-  const PointList due{2, {1.0, -2.0, 3e5, 0.25}};
-  EXPECT_EQ(read("1 -2\n3e5 .25\n"), due);
-  EXPECT_EQ(read("# x y\n\n  \t\n 1\t-2 # the first\r\n3e5   0.25"), due);
-  EXPECT_EQ(read("1,-2\n3e5 , 0.25\n"), due);
-  EXPECT_EQ(read("\xEF\xBB\xBF+1 -2\n+3e+5 0.25"), due);
+  const PointList expected{2, {1.0, -2.0, 3e5, 0.25}};
+  EXPECT_EQ(read("1 -2\n3e5 .25\n"), expected);
+  EXPECT_EQ(read("# x y\n\n  \t\n 1\t-2 # the first\r\n3e5   0.25"), expected);
+  EXPECT_EQ(read("1,-2\n3e5 , 0.25\n"), expected);
+  EXPECT_EQ(read("\xEF\xBB\xBF+1 -2\n+3e+5 0.25"), expected);
   EXPECT_EQ(read("7"), (PointList{1, {7.0}}));
   EXPECT_EQ(read("1 2 3").dimension, 3U);
 }
@@ -194,7 +194,7 @@ class ParticlesFile : public testing::Test {
   /// A fault of `file = "NAME"` in line 3 of the scene, in that line of the file.
   void expect_fault(const Fault& found, const std::string& name, const std::string& line,
                     const std::string& code) const {
-    EXPECT_EQ(found.place.file, path("s.toml"));
+    EXPECT_EQ(found.location.file, path("s.toml"));
     EXPECT_EQ(brief(found), "3:8 body.particles.file = \"" + name + "\" [" + code + "]");
     EXPECT_TRUE(found.why.starts_with(path(name) + ":" + line)) << found.why;
   }
@@ -219,11 +219,11 @@ TEST_F(ParticlesFile, LiesBesideTheScene) {
 TEST_F(ParticlesFile, StandsInTheEffectiveScene) {
   write(folder_ / "p.dat", "0 0\n1 0.30000000000000004\n");
   const auto scene = scene_from("file = \"p.dat\"\nvelocity = [[1, 0], [0, 1]]");
-  const std::string due =
+  const std::string expected =
       "positions = [[0.0, 0.0], [1.0, 0.30000000000000004]]\noutline = \"open\"\n"
       "particle_mass = 1.0\n"
       "velocity = [[1, 0], [0, 1]]\n";
-  EXPECT_NE(scene->effective_toml.find(due), std::string::npos) << scene->effective_toml;
+  EXPECT_NE(scene->effective_toml.find(expected), std::string::npos) << scene->effective_toml;
   EXPECT_EQ(scene->effective_toml.find("file"), std::string::npos);
   std::filesystem::remove(folder_ / "p.dat");
   const auto again = parsed(scene->effective_toml);
@@ -257,7 +257,7 @@ TEST_F(ParticlesFile, ThatCannotBeReadIsRefused) {
   }
   write(folder_ / "p.dat", "1\n");
   const Fault both = fault("file = \"p.dat\"\npositions = [0]");
-  EXPECT_EQ(both.place.file, path("s.toml"));
+  EXPECT_EQ(both.location.file, path("s.toml"));
   EXPECT_EQ(brief(both), "3:8 body.particles.file = \"p.dat\" [scene.conflict]");
 }
 

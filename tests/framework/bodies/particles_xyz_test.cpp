@@ -20,11 +20,11 @@ using XyzLines = std::vector<std::string>;
 /// "LINE" of each fault, and its column where it has one.
 XyzLines xyz_faults(const std::string& text, std::int64_t frame = -1) {
   static const std::regex form("f:([0-9]+): (?:column ([0-9]+) )?.*");
-  XyzLines places;
+  XyzLines lines;
   for (const std::string& fault : parse_xyz(text, "f", frame).faults) {
-    places.push_back(std::regex_replace(fault, form, "$1:$2"));
+    lines.push_back(std::regex_replace(fault, form, "$1:$2"));
   }
-  return places;
+  return lines;
 }
 
 TEST(XyzFile, TakesTheColumnsThatPropertiesName) {

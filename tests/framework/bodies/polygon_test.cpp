@@ -60,9 +60,10 @@ TEST(Polygon, HasTheInertiaOfItsParticles) {
     for (const int on_edge : {1, 2, 5}) {
       const double sine = std::sin(kTau / 2 / corners);
       const double count = corners * on_edge;
-      const double due =
+      const double expected =
           count * 1.7 * 1.7 * (1.0 - 2.0 / 3.0 * (1.0 - 1.0 / (on_edge * on_edge)) * sine * sine);
-      EXPECT_NEAR(inertia_of("polygon", polygon(corners, corners * on_edge)), due, 1e-14 * due);
+      EXPECT_NEAR(inertia_of("polygon", polygon(corners, corners * on_edge)), expected,
+                  1e-14 * expected);
     }
   }
 }
@@ -71,11 +72,11 @@ TEST(Polygon, IsTurnedByItsOrientation) {
   // A square that stands on an edge.
   const BodyGeometry found = polygon_shape(4, 4, "orientation = \"pi / 4\"");
   const double half = 1.7 / std::sqrt(2.0);
-  const std::vector<std::vector<double>> due = {
+  const std::vector<std::vector<double>> expected = {
       {half, half}, {-half, half}, {-half, -half}, {half, -half}};
   for (std::size_t i = 0; i < 4; ++i) {
-    EXPECT_NEAR(found.relative[i][0], due[i][0], kSomeRoundings);
-    EXPECT_NEAR(found.relative[i][1], due[i][1], kSomeRoundings);
+    EXPECT_NEAR(found.relative[i][0], expected[i][0], kSomeRoundings);
+    EXPECT_NEAR(found.relative[i][1], expected[i][1], kSomeRoundings);
   }
 }
 

@@ -20,9 +20,9 @@ namespace {
 // ---- the command line
 
 TEST_F(Cli, HelpIsEverywhere) {
-  std::vector<std::vector<std::string>> places = {{}};
-  for (const CommandRecord& record : commands()) places.push_back({record.name});
-  for (const std::vector<std::string>& command : places) {
+  std::vector<std::vector<std::string>> calls = {{}};
+  for (const CommandRecord& record : commands()) calls.push_back({record.name});
+  for (const std::vector<std::string>& command : calls) {
     for (const char* flag : {"--help", "-h"}) {
       auto arguments = command;
       arguments.emplace_back(flag);

@@ -65,7 +65,7 @@ TEST_F(Export, OtherProgramsAreNotKnown) {
   expect_refused({"export", "tip.toml"}, "tomlin: [command.missing_argument]\n", {"--to"});
 }
 
-/// All that has no counterpart is named at once, each with its place, and nothing is made.
+/// All that has no counterpart is named at once, each with its position, and nothing is made.
 TEST_F(Export, WhatHasNoCounterpartIsRefused) {
   write(folder_ / "odd.toml", R"([[body]]
 name = "ring"

@@ -6,8 +6,8 @@
 #include "tests/framework/cli/cli_fixture.hpp"
 #include "tests/support/tube_scene.hpp"
 
-/// Scenes of molecular dynamics: what is refused, at its place; what a run that diverges says and
-/// leaves; and what `explain` says of neighbours.
+/// Scenes of molecular dynamics: what is refused, at its position; what a run that diverges says
+/// and leaves; and what `explain` says of neighbours.
 namespace tomlin::test {
 namespace {
 

@@ -9,7 +9,7 @@ TEST(Citation, IsAWorkAndAPlaceInIt) {
   const auto works = citations("A. Author, J. 1 (1999) 2, doi:10.1/x(3), eqs. (4) to (6)");
   ASSERT_EQ(works.size(), 1U);
   EXPECT_EQ(works[0].work, "A. Author, J. 1 (1999) 2, doi:10.1/x(3)");
-  EXPECT_EQ(works[0].place, "eqs. (4) to (6)");
+  EXPECT_EQ(works[0].passage, "eqs. (4) to (6)");
 }
 
 TEST(Citation, WorksAreParted) {
@@ -18,11 +18,11 @@ TEST(Citation, WorksAreParted) {
       "table 3, SRKN^b_6 ; ");
   ASSERT_EQ(works.size(), 3U);
   EXPECT_EQ(works[0].work, "B. Other (1901) 435");
-  EXPECT_EQ(works[0].place, "");
+  EXPECT_EQ(works[0].passage, "");
   EXPECT_EQ(works[1].work, "A. Author, doi:10.1/x");
-  EXPECT_EQ(works[1].place, "");
+  EXPECT_EQ(works[1].passage, "");
   EXPECT_EQ(works[2].work, "C. Third, doi:10.2/y");
-  EXPECT_EQ(works[2].place, "table 3, SRKN^b_6");
+  EXPECT_EQ(works[2].passage, "table 3, SRKN^b_6");
 }
 
 TEST(Citation, OfNothingIsNone) {

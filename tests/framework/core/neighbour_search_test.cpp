@@ -12,27 +12,27 @@
 namespace tomlin {
 namespace {
 
-constexpr unsigned kSeedsOfPlaces[] = {1, 27, 20261126};
+constexpr unsigned kSeedsOfPoints[] = {1, 27, 20261126};
 
-struct BoxOfPlaces {
+struct BoxOfPoints {
   int dimension;
   std::array<double, 3> box;  // 0: not periodic
-  double spread;              // of the places, beyond the box too
+  double spread;              // of the positions, beyond the box too
   double middle;
   std::size_t count;
 };
 
 /// Finds neighbours among all particles, by the nearest image.
-std::vector<Neighbour> all_within(double reach, const BoxOfPlaces& c,
-                                  const std::vector<double>& places,
-                                  const std::array<double, 3>& place) {
+std::vector<Neighbour> all_within(double reach, const BoxOfPoints& c,
+                                  const std::vector<double>& positions,
+                                  const std::array<double, 3>& position) {
   std::vector<Neighbour> found;
   for (std::size_t j = 0; j < c.count; ++j) {
     Neighbour near;
     near.particle = static_cast<std::uint32_t>(j);
     double squared = 0.0;
     for (int d = 0; d < c.dimension; ++d) {
-      double apart = places[d * c.count + j] - place[d];
+      double apart = positions[d * c.count + j] - position[d];
       if (c.box[d] > 0.0) {
         near.shift[d] = -c.box[d] * std::floor(apart / c.box[d] + 0.5);
         apart += near.shift[d];
@@ -45,7 +45,7 @@ std::vector<Neighbour> all_within(double reach, const BoxOfPlaces& c,
 }
 
 TEST(NeighbourSearch, FindsWhatLookingAtAllFinds) {
-  const BoxOfPlaces cases[] = {
+  const BoxOfPoints cases[] = {
       {1, {0.0, 0.0, 0.0}, 40.0, 0.0, 200},   {1, {11.0, 0.0, 0.0}, 60.0, 5.0, 100},
       {2, {0.0, 0.0, 0.0}, 12.0, -3.0, 300},  {2, {7.0, 0.0, 0.0}, 20.0, 1e4, 300},
       {2, {2.0, 4.2, 0.0}, 9.0, 0.0, 150},    {3, {0.0, 0.0, 0.0}, 5.0, 0.0, 400},
@@ -53,21 +53,21 @@ TEST(NeighbourSearch, FindsWhatLookingAtAllFinds) {
       {3, {4.5, 5.5, 0.0}, 6.0, -50.0, 400}};
   constexpr double kReach = 1.0;
   std::size_t neighbours = 0;
-  for (const BoxOfPlaces& c : cases) {
-    for (const unsigned seed : kSeedsOfPlaces) {
+  for (const BoxOfPoints& c : cases) {
+    for (const unsigned seed : kSeedsOfPoints) {
       std::mt19937_64 random(seed);
       std::uniform_real_distribution<double> uniform(c.middle - c.spread / 2.0,
                                                      c.middle + c.spread / 2.0);
-      std::vector<double> places(static_cast<std::size_t>(c.dimension) * c.count);
-      for (double& x : places) x = uniform(random);
+      std::vector<double> positions(static_cast<std::size_t>(c.dimension) * c.count);
+      for (double& x : positions) x = uniform(random);
       NeighbourSearch search(c.dimension, kReach, c.box);
-      search.sort(places, c.count);
+      search.sort(positions, c.count);
       std::vector<Neighbour> found;
       for (std::size_t i = 0; i < c.count; ++i) {
-        std::array<double, 3> place{};
-        for (int d = 0; d < c.dimension; ++d) place[d] = places[d * c.count + i];
-        search.find(place, found);
-        const std::vector<Neighbour> expected = all_within(kReach, c, places, place);
+        std::array<double, 3> position{};
+        for (int d = 0; d < c.dimension; ++d) position[d] = positions[d * c.count + i];
+        search.find(position, found);
+        const std::vector<Neighbour> expected = all_within(kReach, c, positions, position);
         ASSERT_EQ(found.size(), expected.size()) << "particle " << i << ", seed " << seed;
         for (std::size_t k = 0; k < found.size(); ++k) {
           EXPECT_EQ(found[k].particle, expected[k].particle);

@@ -9,8 +9,8 @@
 #include "tests/framework/core/math_bits.hpp"
 #include "tests/framework/core/target_test.hpp"
 
-// Normal numbers of a key and a place: their bits, their moments, and that numbers of different
-// places have nothing to do with each other.
+// Normal numbers of a key and a counter: their bits, their moments, and that numbers of different
+// counters have nothing to do with each other.
 
 namespace tomlin {
 inline namespace TOMLIN_TARGET {
@@ -22,9 +22,9 @@ constexpr std::size_t kNormalsAtOnce = 64;
 
 struct NormalBlock {
   alignas(64) double at[kNormalsAtOnce];
-  NormalBlock(const RandomKey& key, const RandomPlace& place, std::size_t length = kNormalsAtOnce,
-              std::size_t used = kNormalsAtOnce) {
-    fill_normals(key, place, length, used, at);
+  NormalBlock(const RandomKey& key, const RandomCounter& counter,
+              std::size_t length = kNormalsAtOnce, std::size_t used = kNormalsAtOnce) {
+    fill_normals(key, counter, length, used, at);
   }
 };
 
@@ -81,7 +81,7 @@ TARGET_TEST(NormalNumbers, TheBitsOfEverySet) { EXPECT_EQ(normal_bits(), kNormal
 TARGET_TEST(NormalNumbers, PhiloxAsPublished) {
   struct Answer {
     RandomKey key;
-    RandomPlace place;
+    RandomCounter counter;
     std::uint64_t words[4];
   };
   constexpr std::uint64_t kOnes = ~std::uint64_t{0};
@@ -98,7 +98,7 @@ TARGET_TEST(NormalNumbers, PhiloxAsPublished) {
   for (const Answer& answer : answers) {
     double first[2];
     double second[2];
-    uniform_pairs(answer.key, answer.place, 2, first, second);
+    uniform_pairs(answer.key, answer.counter, 2, first, second);
     const auto uniform = [](std::uint64_t word) {
       return static_cast<double>(word >> 12) * 0x1p-52 + 0x1p-53;
     };
@@ -112,12 +112,12 @@ TARGET_TEST(NormalNumbers, PhiloxAsPublished) {
 /// By the library's functions, from uniform numbers one at a time.
 TARGET_TEST(NormalNumbers, AreThoseOfBoxAndMuller) {
   constexpr double kRounding = 1e-14;  // of sizes up to 8, by functions of one or two digits
-  const RandomPlace place{5, 1, 0, 0};
-  const NormalBlock block(kNormalKey, place);
+  const RandomCounter counter{5, 1, 0, 0};
+  const NormalBlock block(kNormalKey, counter);
   for (std::size_t pair = 0; pair < kNormalsAtOnce / 2; ++pair) {
     double u[2];
     double w[2];
-    uniform_pairs(kNormalKey, {place.a, place.b, pair / 2, place.d}, 2, u, w);
+    uniform_pairs(kNormalKey, {counter.a, counter.b, pair / 2, counter.d}, 2, u, w);
     const double size = std::sqrt(-2.0 * std::log(u[pair % 2]));
     const double angle = 2.0 * 3.14159265358979323846 * w[pair % 2];
     // A group of cosines, then the group of their sines.
@@ -129,10 +129,10 @@ TARGET_TEST(NormalNumbers, AreThoseOfBoxAndMuller) {
 
 /// How many of a group are wanted changes none of them.
 TARGET_TEST(NormalNumbers, DoNotDependOnHowManyAreUsed) {
-  const RandomPlace place{9, 0, 0, 0};
-  const NormalBlock all(kNormalKey, place);
+  const RandomCounter counter{9, 0, 0, 0};
+  const NormalBlock all(kNormalKey, counter);
   for (const std::size_t used : {1U, 3U, 7U, 8U}) {
-    const NormalBlock some(kNormalKey, place, 3 * kGroup, used);
+    const NormalBlock some(kNormalKey, counter, 3 * kGroup, used);
     for (std::size_t group = 0; group < 3; ++group) {
       for (std::size_t k = 0; k < used; ++k) {
         EXPECT_EQ(some.at[group * kGroup + k], all.at[group * kGroup + k]) << used;

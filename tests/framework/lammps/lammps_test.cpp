@@ -21,7 +21,7 @@
 namespace tomlin::test {
 namespace {
 
-using Place3 = std::array<double, 3>;
+using Position3 = std::array<double, 3>;
 
 /// Tolerance of energies, relative, and of each force: two programs that round differently, in sums
 /// of some hundred terms.
@@ -32,9 +32,9 @@ constexpr double kCarbon = 12.0107 * 1.03642696e-4;
 #define TOMLIN_NEEDS_LAMMPS() \
   if (!has_lammps()) GTEST_SKIP() << "there is no program lmp (Debian's package lammps)"
 
-std::string positions_text(const std::vector<Place3>& places, int dimension = 3) {
+std::string positions_text(const std::vector<Position3>& positions, int dimension = 3) {
   std::string text = "positions = [";
-  for (const Place3& x : places) {
+  for (const Position3& x : positions) {
     text += "[" + digits(x[0]);
     for (int d = 1; d < dimension; ++d) text += ", " + digits(x[d]);
     text += "], ";
@@ -42,10 +42,10 @@ std::string positions_text(const std::vector<Place3>& places, int dimension = 3)
   return text + "]\n";
 }
 
-std::string particles(const std::string& name, const std::vector<Place3>& places,
+std::string particles(const std::string& name, const std::vector<Position3>& positions,
                       const std::string& more = "", int dimension = 3) {
   return "[[body]]\nname = \"" + name + "\"\ntype = \"particles\"\n" +
-         positions_text(places, dimension) +
+         positions_text(positions, dimension) +
          (more.find("particle_mass") == std::string::npos
               ? "particle_mass = " + digits(kCarbon) + "\n"
               : "") +
@@ -66,60 +66,61 @@ std::string steps_of(double dt, int steps = 1) {
 /// Returns a sine of a large argument: numbers without a pattern, between -1 and 1.
 double jitter(std::size_t k) { return std::sin(12.9898 * static_cast<double>(k + 1) + 78.233); }
 
-std::vector<Place3> displaced(std::vector<Place3> places, double size) {
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    for (std::size_t d = 0; d < 3; ++d) places[i][d] += size * jitter(3 * i + d);
+std::vector<Position3> displaced(std::vector<Position3> positions, double size) {
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    for (std::size_t d = 0; d < 3; ++d) positions[i][d] += size * jitter(3 * i + d);
   }
-  return places;
+  return positions;
 }
 
 /// A zigzag tube (n, 0) along x: rings of n atoms, at distances of half a bond and of a bond by
 /// turns, those of every second pair turned by half an angle.
-std::vector<Place3> zigzag_tube(int n, int rings, double bond) {
+std::vector<Position3> zigzag_tube(int n, int rings, double bond) {
   const double radius = std::sqrt(3.0) * bond * n / kTau;
-  std::vector<Place3> places;
+  std::vector<Position3> positions;
   double x = 0.0;
   for (int ring = 0; ring < rings; ++ring) {
     const double turn = (ring + 1) / 2 % 2 == 0 ? 0.0 : 0.5;
     for (int i = 0; i < n; ++i) {
       const double angle = kTau * (i + turn) / n;
-      places.push_back({x, radius * std::cos(angle), radius * std::sin(angle)});
+      positions.push_back({x, radius * std::cos(angle), radius * std::sin(angle)});
     }
     x += ring % 2 == 0 ? 0.5 * bond : bond;
   }
-  return places;
+  return positions;
 }
 
 /// A rectangular cell of four atoms, repeated; x along the armchair direction.
-std::vector<Place3> graphene(int along, int across, double bond, Place3& box) {
+std::vector<Position3> graphene(int along, int across, double bond, Position3& box) {
   const double width = std::sqrt(3.0) * bond;
   box = {3.0 * bond * along, width * across, 20.0};
-  std::vector<Place3> places;
+  std::vector<Position3> positions;
   for (int i = 0; i < along; ++i) {
     for (int j = 0; j < across; ++j) {
       const double x = 3.0 * bond * i;
       const double y = width * j;
-      places.push_back({x, y, 0.0});
-      places.push_back({x + bond, y, 0.0});
-      places.push_back({x + 1.5 * bond, y + 0.5 * width, 0.0});
-      places.push_back({x + 2.5 * bond, y + 0.5 * width, 0.0});
+      positions.push_back({x, y, 0.0});
+      positions.push_back({x + bond, y, 0.0});
+      positions.push_back({x + 1.5 * bond, y + 0.5 * width, 0.0});
+      positions.push_back({x + 2.5 * bond, y + 0.5 * width, 0.0});
     }
   }
-  return places;
+  return positions;
 }
 
-std::string box_text(const Place3& box, const std::string& periodic) {
+std::string box_text(const Position3& box, const std::string& periodic) {
   return "[box]\nlengths = [" + digits(box[0]) + ", " + digits(box[1]) + ", " + digits(box[2]) +
          "]\nperiodic = " + periodic + "\n";
 }
 
 /// How many pairs are between two distances.
-int pairs_within(const std::vector<Place3>& places, double from, double to) {
+int pairs_within(const std::vector<Position3>& positions, double from, double to) {
   int found = 0;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    for (std::size_t j = i + 1; j < places.size(); ++j) {
-      const double r = std::hypot(places[i][0] - places[j][0], places[i][1] - places[j][1],
-                                  places[i][2] - places[j][2]);
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    for (std::size_t j = i + 1; j < positions.size(); ++j) {
+      const double r =
+          std::hypot(positions[i][0] - positions[j][0], positions[i][1] - positions[j][1],
+                     positions[i][2] - positions[j][2]);
       found += r > from && r < to ? 1 : 0;
     }
   }
@@ -129,7 +130,7 @@ int pairs_within(const std::vector<Place3>& places, double from, double to) {
 /// Forces on all particles that move, [atom][axis], and the energy, at the start.
 struct OwnState {
   double energy = 0.0;
-  std::vector<Place3> force;
+  std::vector<Position3> force;
 };
 
 OwnState own_state(const Scene& scene) {
@@ -195,27 +196,27 @@ double expect_same(const std::string& text, const std::optional<LammpsUnits>& un
   return found.largest_force;
 }
 
-/// Places at the end of the scene's run, [atom][axis].
-std::vector<Place3> own_end(const std::string& text) {
+/// Positions at the end of the scene's run, [atom][axis].
+std::vector<Position3> own_end(const std::string& text) {
   Engine engine(scene_of(text), {});
   EXPECT_EQ(engine.run().status, RunStatus::finished);
   const Model& model = engine.model();
-  std::vector<Place3> places;
+  std::vector<Position3> positions;
   for (const Model::Body& body : model.bodies()) {
     std::vector<double> own(body.bound.slot.count * model.dimension());
     model.place_particles(body.bound.index, model.system().view.position, own.data());
     for (std::size_t i = 0; i < body.bound.slot.count; ++i) {
-      Place3& x = places.emplace_back();
+      Position3& x = positions.emplace_back();
       for (int d = 0; d < model.dimension(); ++d) x[d] = own[i * model.dimension() + d];
     }
   }
-  return places;
+  return positions;
 }
 
 /// The largest distance along an axis between the ends of both runs.
 double distance_at_end(const std::string& text, long steps,
                        const std::optional<LammpsUnits>& units = {}) {
-  const std::vector<Place3> own = own_end(text);
+  const std::vector<Position3> own = own_end(text);
   const auto scene = scene_of(text);
   const LammpsState other =
       run_lammps(lammps_input(scene, units.value_or(lammps_units(*scene))), steps);
@@ -231,7 +232,7 @@ double distance_at_end(const std::string& text, long steps,
 
 // ---- tersoff
 
-/// Each set, on a tube whose atoms are off their places.
+/// Each set, on a tube whose atoms are off their positions.
 TEST(Lammps, TersoffOfADisplacedTube) {
   TOMLIN_NEEDS_LAMMPS();
   struct Set {
@@ -240,8 +241,9 @@ TEST(Lammps, TersoffOfADisplacedTube) {
   };
   for (const Set& set : {Set{"lindsay_broido_2010", 1.44}, Set{"tersoff_1989_carbon", 1.46},
                          Set{"tersoff_1989_silicon", 2.3}}) {
-    const auto places = displaced(zigzag_tube(10, 8, set.bond), 0.07);
-    EXPECT_GT(expect_same(particles("tube", places) + tersoff("", set.name) + steps_of(1e-3)), 1.0)
+    const auto positions = displaced(zigzag_tube(10, 8, set.bond), 0.07);
+    EXPECT_GT(expect_same(particles("tube", positions) + tersoff("", set.name) + steps_of(1e-3)),
+              1.0)
         << set.name;
   }
 }
@@ -250,34 +252,34 @@ TEST(Lammps, TersoffOfADisplacedTube) {
 TEST(Lammps, TersoffInTheTaper) {
   TOMLIN_NEEDS_LAMMPS();
   for (const double stretch : {1.4, 1.44, 1.48}) {
-    const auto places = displaced(zigzag_tube(6, 6, 1.42 * stretch), 0.16);
-    EXPECT_GE(pairs_within(places, 1.8, 2.1), 20);
-    EXPECT_GE(pairs_within(places, 2.1, 2.4), 5);
-    EXPECT_GT(expect_same(particles("tube", places) + tersoff() + steps_of(1e-3)), 1.0);
+    const auto positions = displaced(zigzag_tube(6, 6, 1.42 * stretch), 0.16);
+    EXPECT_GE(pairs_within(positions, 1.8, 2.1), 20);
+    EXPECT_GE(pairs_within(positions, 2.1, 2.4), 5);
+    EXPECT_GT(expect_same(particles("tube", positions) + tersoff() + steps_of(1e-3)), 1.0);
   }
 }
 
 /// No neighbour, or one: zeta = 0; in the taper, too. And a chain of three.
 TEST(Lammps, TersoffOfFewAtoms) {
   TOMLIN_NEEDS_LAMMPS();
-  const std::vector<Place3> places = {{0.0, 0.0, 0.0},   {9.0, 0.1, 0.2},  {10.3, 0.3, -0.2},
-                                      {20.0, 0.0, 0.0},  {20.5, 1.8, 0.4}, {30.0, 0.0, 0.0},
-                                      {30.1, 1.3, -0.1}, {30.4, 2.6, 0.5}};
-  EXPECT_GT(expect_same(particles("atoms", places) + tersoff() + steps_of(1e-3)), 1.0);
+  const std::vector<Position3> positions = {{0.0, 0.0, 0.0},   {9.0, 0.1, 0.2},  {10.3, 0.3, -0.2},
+                                            {20.0, 0.0, 0.0},  {20.5, 1.8, 0.4}, {30.0, 0.0, 0.0},
+                                            {30.1, 1.3, -0.1}, {30.4, 2.6, 0.5}};
+  EXPECT_GT(expect_same(particles("atoms", positions) + tersoff() + steps_of(1e-3)), 1.0);
 }
 
 TEST(Lammps, TersoffOfAPeriodicSheet) {
   TOMLIN_NEEDS_LAMMPS();
-  Place3 box{};
+  Position3 box{};
   const auto flat = graphene(3, 5, 1.43, box);
   for (const std::string periodic : {"[true, true, false]", "[true, true, true]"}) {
     const std::string in_box = box_text(box, periodic);
     for (const double size : {0.0, 0.07}) {
-      auto places = displaced(flat, size);
+      auto positions = displaced(flat, size);
       // Images elsewhere are the same atoms.
-      places[7][0] += box[0];
-      places[11][1] -= 2.0 * box[1];
-      expect_same(in_box + particles("sheet", places) + tersoff() + steps_of(1e-3));
+      positions[7][0] += box[0];
+      positions[11][1] -= 2.0 * box[1];
+      expect_same(in_box + particles("sheet", positions) + tersoff() + steps_of(1e-3));
     }
   }
 }
@@ -287,7 +289,7 @@ TEST(Lammps, TersoffOfTwoBodies) {
   TOMLIN_NEEDS_LAMMPS();
   const auto one = displaced(zigzag_tube(5, 4, 1.44), 0.05);
   auto other = displaced(zigzag_tube(5, 4, 1.5), 0.04);
-  for (Place3& x : other) x[0] += 1.0;
+  for (Position3& x : other) x[0] += 1.0;
   ASSERT_GT(expect_same(particles("one", one) + particles("other", other) + tersoff("one") +
                         tersoff("other", "tersoff_1989_carbon") + steps_of(1e-3)),
             1.0);
@@ -323,16 +325,17 @@ TEST(Lammps, TersoffOfThreeSpecies) {
       }
     }
   }
-  const auto places = displaced(zigzag_tube(8, 8, 1.5), 0.1);
+  const auto positions = displaced(zigzag_tube(8, 8, 1.5), 0.1);
   std::string species = "species = [";
   std::string masses = "particle_mass = [";
-  for (std::size_t i = 0; i < places.size(); ++i) {
+  for (std::size_t i = 0; i < positions.size(); ++i) {
     species += "\"" + names[i * i % 7 % 3] + "\", ";
     masses += i % 5 == 0 ? "13.0, " : "11.5, ";
   }
-  const std::string scene =
-      "[scene]\nunits = \"metal\"\n" + particles("tube", places, species + "]\n" + masses + "]\n") +
-      "[[force]]\ntype = \"tersoff\"\nentries = \"\"\"\n" + entries + "\"\"\"\n" + steps_of(1e-3);
+  const std::string scene = "[scene]\nunits = \"metal\"\n" +
+                            particles("tube", positions, species + "]\n" + masses + "]\n") +
+                            "[[force]]\ntype = \"tersoff\"\nentries = \"\"\"\n" + entries +
+                            "\"\"\"\n" + steps_of(1e-3);
   EXPECT_GT(expect_same(scene), 1.0);
 }
 
@@ -352,11 +355,12 @@ TEST(Lammps, TersoffOfSiliconCarbide) {
       "Si Si Si 3 1 0 100390 16.217 -0.59825 0.78734 1.1e-6 1.7322 471.18 2.85 0.15 2.4799 "
       "1830.8\n";
   for (const double bond : {1.5, 1.8, 2.0}) {
-    const auto places = displaced(zigzag_tube(6, 8, bond), 0.15);
+    const auto positions = displaced(zigzag_tube(6, 8, bond), 0.15);
     std::string species = "species = [";
-    for (std::size_t i = 0; i < places.size(); ++i) species += i % 3 == 0 ? "\"Si\", " : "\"C\", ";
+    for (std::size_t i = 0; i < positions.size(); ++i)
+      species += i % 3 == 0 ? "\"Si\", " : "\"C\", ";
     EXPECT_GT(expect_same("[scene]\nunits = \"metal\"\n" +
-                          particles("tube", places, species + "]\nparticle_mass = 12.0\n") +
+                          particles("tube", positions, species + "]\nparticle_mass = 12.0\n") +
                           "[[force]]\ntype = \"tersoff\"\nentries = \"\"\"\n" + entries +
                           "\"\"\"\n" + steps_of(1e-3)),
               1.0);
@@ -366,15 +370,15 @@ TEST(Lammps, TersoffOfSiliconCarbide) {
 /// A number of the potential that is off by 1e-7 is seen.
 TEST(Lammps, APlantedFaultIsSeen) {
   TOMLIN_NEEDS_LAMMPS();
-  const auto places = displaced(zigzag_tube(6, 5, 1.44), 0.05);
+  const auto positions = displaced(zigzag_tube(6, 5, 1.44), 0.05);
   const auto planted = [](std::vector<LammpsFile>& files) {
     for (LammpsFile& file : files) {
       const auto at = file.text.find(" 3.4879 ");
       if (at != std::string::npos) file.text.replace(at, 8, " 3.4879003 ");
     }
   };
-  const Difference found =
-      difference(particles("tube", places) + tersoff() + steps_of(1e-3), kLammpsReduced, planted);
+  const Difference found = difference(particles("tube", positions) + tersoff() + steps_of(1e-3),
+                                      kLammpsReduced, planted);
   EXPECT_GT(found.energy, 10.0 * kSame);
   EXPECT_GT(found.force, 10.0 * kSame);
 }
@@ -388,16 +392,16 @@ std::string lennard_jones(const std::string& name, const std::string& bodies,
          at_cutoff + "\"\n";
 }
 
-std::vector<Place3> lump(int side, double spacing, double jitter_size, const Place3& at) {
-  std::vector<Place3> places;
+std::vector<Position3> lump(int side, double spacing, double jitter_size, const Position3& at) {
+  std::vector<Position3> positions;
   for (int i = 0; i < side; ++i) {
     for (int j = 0; j < side; ++j) {
       for (int k = 0; k < side; ++k) {
-        places.push_back({at[0] + spacing * i, at[1] + spacing * j, at[2] + spacing * k});
+        positions.push_back({at[0] + spacing * i, at[1] + spacing * j, at[2] + spacing * k});
       }
     }
   }
-  return displaced(std::move(places), jitter_size);
+  return displaced(std::move(positions), jitter_size);
 }
 
 TEST(Lammps, LennardJonesWithinAndBetween) {
@@ -451,15 +455,15 @@ TEST(Lammps, LennardJonesBySpecies) {
 /// In a plane, in a box, with particles of several masses.
 TEST(Lammps, LennardJonesInAPlane) {
   TOMLIN_NEEDS_LAMMPS();
-  std::vector<Place3> places;
+  std::vector<Position3> positions;
   for (int i = 0; i < 6; ++i) {
-    for (int j = 0; j < 6; ++j) places.push_back({1.2 * i, 1.2 * j, 0.0});
+    for (int j = 0; j < 6; ++j) positions.push_back({1.2 * i, 1.2 * j, 0.0});
   }
-  places = displaced(places, 0.1);
+  positions = displaced(positions, 0.1);
   std::string masses = "particle_mass = [";
   for (int i = 0; i < 36; ++i) masses += digits(1.0 + i % 3) + ", ";
   EXPECT_GT(expect_same("[box]\nlengths = [7.2, 7.3]\nperiodic = [true, false]\n" +
-                        particles("a", places, masses + "]\n", 2) +
+                        particles("a", positions, masses + "]\n", 2) +
                         lennard_jones("one", "body = \"a\"", "smooth") + steps_of(1e-3)),
             1.0);
 }
@@ -468,10 +472,10 @@ TEST(Lammps, LennardJonesInAPlane) {
 /// potential of its own takes part.
 TEST(Lammps, TubeOnAFixedSheet) {
   TOMLIN_NEEDS_LAMMPS();
-  Place3 box{};
+  Position3 box{};
   auto sheet = graphene(5, 8, 1.44, box);
   auto tube = displaced(zigzag_tube(5, 4, 1.44), 0.05);
-  for (Place3& x : tube) x = {x[0] + 5.0, x[1] + 8.0, x[2] + 5.2};
+  for (Position3& x : tube) x = {x[0] + 5.0, x[1] + 8.0, x[2] + 5.2};
   const std::string scene =
       box_text(box, "[true, true, false]") + particles("tube", tube) +
       particles("sheet", sheet, "coordinates = \"fixed\"\n") + tersoff("tube") + tersoff("sheet") +
@@ -491,10 +495,10 @@ std::string bonds(const std::string& type, const std::string& more) {
 TEST(Lammps, BondsInEachDimension) {
   TOMLIN_NEEDS_LAMMPS();
   for (const int dimension : {1, 2, 3}) {
-    std::vector<Place3> places;
-    for (int i = 0; i < 9; ++i) places.push_back({1.1 * i, 0.0, 0.0});
-    places = displaced(places, 0.2);
-    const std::string body = particles("chain", places, "particle_mass = 2.0\n", dimension);
+    std::vector<Position3> positions;
+    for (int i = 0; i < 9; ++i) positions.push_back({1.1 * i, 0.0, 0.0});
+    positions = displaced(positions, 0.2);
+    const std::string body = particles("chain", positions, "particle_mass = 2.0\n", dimension);
     const std::string harmonic =
         bonds("harmonic_bonds",
               "name = \"next\"\npairs = \"neighbours\"\nstiffness = 3.0\nrest_lengths = 1.0");
@@ -537,9 +541,9 @@ particle_mass = 1.0
 }
 
 std::string moving_ring(int dimension, const std::string& more = "") {
-  std::vector<Place3> places;
+  std::vector<Position3> positions;
   for (int i = 0; i < 5; ++i) {
-    places.push_back({1.3 + std::cos(kTau * i / 5), 0.4 + std::sin(kTau * i / 5), 0.2});
+    positions.push_back({1.3 + std::cos(kTau * i / 5), 0.4 + std::sin(kTau * i / 5), 0.2});
   }
   std::string velocities = "velocity = [";
   for (std::size_t i = 0; i < 5; ++i) {
@@ -547,7 +551,7 @@ std::string moving_ring(int dimension, const std::string& more = "") {
     for (int d = 1; d < dimension; ++d) velocities += ", " + digits(jitter(10 * d + i));
     velocities += "], ";
   }
-  return particles("ring", places,
+  return particles("ring", positions,
                    velocities + "]\nparticle_mass = [1.0, 2.0, 0.5, 1.0, 3.0]\n" + more, dimension);
 }
 

@@ -249,16 +249,17 @@ TEST(Box, PotentialsOfPluginsTakeTheNearestImages) {
   const RunResult formula = run_text(drawn_over(kWellAsFormula));
   const RunResult potential =
       run(parse_scene(drawn_over(kWell), "test.toml", plugin.registry()), {});
-  const ResultGroup& due = driver_of(formula, "slider");
+  const ResultGroup& expected = driver_of(formula, "slider");
   const ResultGroup& found = driver_of(potential, "slider");
   constexpr double kSame = 1e-10;  // of rounding, over 2000 steps
-  EXPECT_NEAR(found["mean_force"][0], due["mean_force"][0], kSame);
-  EXPECT_NEAR(*found["work"], *due["work"], kSame);
-  EXPECT_NEAR(found["final_force"][0], due["final_force"][0], kSame);
+  EXPECT_NEAR(found["mean_force"][0], expected["mean_force"][0], kSame);
+  EXPECT_NEAR(*found["work"], *expected["work"], kSame);
+  EXPECT_NEAR(found["final_force"][0], expected["final_force"][0], kSame);
   EXPECT_EQ(count_of(FaultCode::run_bond_beyond_half_box, potential.warnings), 0U);
   // Bonds are left behind, and that is said.
   const RunResult bonds = run_text(drawn_over(kWell));
-  EXPECT_GT(std::abs(driver_of(bonds, "slider")["final_force"][0] - due["final_force"][0]), 1e-3);
+  EXPECT_GT(std::abs(driver_of(bonds, "slider")["final_force"][0] - expected["final_force"][0]),
+            1e-3);
   EXPECT_EQ(warnings_of_bonds(bonds),
             std::vector<std::string>{"force.pull [run.bond_beyond_half_box]"});
 }

@@ -202,7 +202,7 @@ TEST(DeclaredDriver, ASupportWhosePeriodDividesTheRunIsNotSteady) {
 /// A formula of the centre of mass takes hold there, also where the masses differ.
 TEST(DeclaredDriver, TheSupportIsWhereTheFormulaHasIt) {
   for (const char* coordinates : {"particles", "rigid"}) {
-    for (const auto& [variable, due] : {std::pair{"xc", 5.0}, {"x", 5.0}}) {
+    for (const auto& [variable, wanted] : {std::pair{"xc", 5.0}, {"x", 5.0}}) {
       const auto scene = scene_of(
           R"([[body]]
 name = "pair"
@@ -215,7 +215,7 @@ coordinates = ")" +
           variable + " - 5 - 0.1*t)^2\"\n[run]\nduration = 1.0\nintegrator = " + fixed_step(1e-2) +
           "\n");
       const Model model(scene);
-      EXPECT_NEAR(model.drivers()[0].drive->start[0], due, kSame) << coordinates << variable;
+      EXPECT_NEAR(model.drivers()[0].drive->start[0], wanted, kSame) << coordinates << variable;
     }
   }
 }

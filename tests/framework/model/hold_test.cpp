@@ -70,11 +70,12 @@ TEST(Hold, EachAxisStaysWhereItStarts) {
         text.insert(text.find(key), held == 0 ? "hold = [\"x\"]\n" : "hold = [\"y\"]\n");
         const RunResult result = run_text(text);
         ASSERT_EQ(result.status, RunStatus::finished);
-        const auto& place = result.body(0)["centre_of_mass"];
+        const auto& position = result.body(0)["centre_of_mass"];
         EXPECT_EQ(result.body(0)["velocity"][held], 0.0);
-        // A flexible ring's centre is a mean of places that have not moved.
-        EXPECT_NEAR(place[held], held == 0 ? 0.0 : 1.0, 1e-15);
-        EXPECT_GT(std::abs(place[1 - held] - (held == 0 ? 1.0 : 0.0)), 1e-4) << "the other moves";
+        // A flexible ring's centre is a mean of positions that have not moved.
+        EXPECT_NEAR(position[held], held == 0 ? 0.0 : 1.0, 1e-15);
+        EXPECT_GT(std::abs(position[1 - held] - (held == 0 ? 1.0 : 0.0)), 1e-4)
+            << "the other moves";
       }
     }
   }

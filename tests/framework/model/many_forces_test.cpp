@@ -70,7 +70,7 @@ class Beside {
         for (std::size_t d = 0; d < axes; ++d) {
           if (slot.rigid) {
             displace(slot.centre + d, 0.3);
-            centre[d] = place(d, x_[slot.centre + d]);
+            centre[d] = position(d, x_[slot.centre + d]);
             velocity[d] = v_[slot.centre + d];
           } else {
             centre[d] = from[d] + body.velocity[d] * time;
@@ -107,7 +107,7 @@ class Beside {
           for (std::size_t d = 0; d < axes; ++d) {
             const std::size_t at = slot.offset + d * slot.stride + i;
             displace(at, 0.3);
-            body.x[i][d] = place(d, x_[at]);
+            body.x[i][d] = position(d, x_[at]);
             body.v[i][d] = v_[at];
           }
         }
@@ -127,10 +127,10 @@ class Beside {
     many_.evaluate(time_);
     const double* force = evaluate();
     std::size_t wrong = 0;
-    const auto compare = [&](double found, double due, double size, const std::string& what) {
+    const auto compare = [&](double found, double expected, double size, const std::string& what) {
       ++looked;
-      if (std::abs(found - due) <= kRounding * size) return;
-      if (wrong++ == 0) first = what + ": " + digits(found) + " for " + digits(due);
+      if (std::abs(found - expected) <= kRounding * size) return;
+      if (wrong++ == 0) first = what + ": " + digits(found) + " for " + digits(expected);
     };
     const auto axes = static_cast<std::size_t>(many_.dimension);
     for (std::size_t b = 0; b < many_.bodies.size(); ++b) {
@@ -187,7 +187,7 @@ class Beside {
   }
 
  private:
-  double place(std::size_t axis, double offset) const {
+  double position(std::size_t axis, double offset) const {
     return static_cast<double>(model_.placed(static_cast<int>(axis), offset));
   }
 
@@ -239,21 +239,21 @@ TEST(ManyForces, AreTheSumOfEachAlone) {
 /// A right force but for the kernel that sets: it leaves a number of its region as it was.
 class LeavesANumber : public BoundForce<double> {
  public:
-  LeavesANumber(std::unique_ptr<BoundForce<double>> sound, const BoundBody<double>& body)
-      : sound_(std::move(sound)), body_(body) {
-    pass_ = sound_->passes().front();
+  LeavesANumber(std::unique_ptr<BoundForce<double>> valid, const BoundBody<double>& body)
+      : valid_(std::move(valid)), body_(body) {
+    pass_ = valid_->passes().front();
   }
 
   std::vector<Pass<double>> passes() override {
     return {{&set, &add, this, pass_.writes, pass_.rank}};
   }
-  std::size_t rate_count() const override { return sound_->rate_count(); }
-  void place_rates(std::ptrdiff_t first) override { sound_->place_rates(first); }
-  bool depends_on_time() const override { return sound_->depends_on_time(); }
-  void begin_step(const DoubleDouble& time) override { sound_->begin_step(time); }
-  void rebase(const Origin& origin) override { sound_->rebase(origin); }
-  double energy(const Stage<double>& stage) const override { return sound_->energy(stage); }
-  const Drive* drive() const override { return sound_->drive(); }
+  std::size_t rate_count() const override { return valid_->rate_count(); }
+  void place_rates(std::ptrdiff_t first) override { valid_->place_rates(first); }
+  bool depends_on_time() const override { return valid_->depends_on_time(); }
+  void begin_step(const DoubleDouble& time) override { valid_->begin_step(time); }
+  void rebase(const Origin& origin) override { valid_->rebase(origin); }
+  double energy(const Stage<double>& stage) const override { return valid_->energy(stage); }
+  const Drive* drive() const override { return valid_->drive(); }
 
  private:
   static void set(const void* arguments, const Stage<double>& stage) {
@@ -272,7 +272,7 @@ class LeavesANumber : public BoundForce<double> {
     self.pass_.add(self.pass_.arguments, stage);
   }
 
-  std::unique_ptr<BoundForce<double>> sound_;
+  std::unique_ptr<BoundForce<double>> valid_;
   BoundBody<double> body_;
   Pass<double> pass_;
 };
@@ -325,17 +325,18 @@ integrator = { type = "rk4", dt = 1e-3 }
 )";
 
 TEST(PlantedFaults, AKernelThatLeavesANumberIsFoundBySums) {
-  const std::string due = std::string(kAllForces) + ": sum";
-  EXPECT_EQ(SpoiltRegistry(kFormula, nullptr).broken_in(kCentreOfRigid).count(due), 0u);
-  EXPECT_EQ(SpoiltRegistry(kConstant, nullptr).broken_in(kFree).count(due), 0u);
+  const std::string expected = std::string(kAllForces) + ": sum";
+  EXPECT_EQ(SpoiltRegistry(kFormula, nullptr).broken_in(kCentreOfRigid).count(expected), 0u);
+  EXPECT_EQ(SpoiltRegistry(kConstant, nullptr).broken_in(kFree).count(expected), 0u);
   for (const std::uint64_t seed : {1, 2, 3}) {
     EXPECT_EQ(SpoiltRegistry(kFormula, &leaves_a_number<kFormula>)
                   .broken_in(kCentreOfRigid, seed)
-                  .count(due),
+                  .count(expected),
               1u);
-    EXPECT_EQ(
-        SpoiltRegistry(kConstant, &leaves_a_number<kConstant>).broken_in(kFree, seed).count(due),
-        1u);
+    EXPECT_EQ(SpoiltRegistry(kConstant, &leaves_a_number<kConstant>)
+                  .broken_in(kFree, seed)
+                  .count(expected),
+              1u);
   }
 }
 

@@ -88,7 +88,7 @@ double velocity_at(double force, double x) {
   return (force + kDepinning * std::sin(kTau * x / kPeriod)) / kFriction;
 }
 
-/// How far sampled velocities are off force over friction at the sampled places.
+/// How far sampled velocities are off force over friction at the sampled positions.
 double worst_velocity(double force, const std::string& integrator) {
   KeptSamples kept;
   RunOptions options;
@@ -189,7 +189,7 @@ struct Lopsided {
   }
 };
 
-std::vector<double> place_of(const RunResult& result) {
+std::vector<double> end_position(const RunResult& result) {
   const ResultGroup& body = result.body(0);
   std::vector<double> all(body["centre_of_mass"].begin(), body["centre_of_mass"].end());
   all.push_back(body["rotation"].value_or(0.0));
@@ -210,7 +210,7 @@ TEST(OverdampedRigid, IsTheLimitOfSmallMasses) {
     for (const std::string hold : {"[]", "[\"rotation\"]", "[\"x\"]", "[\"y\", \"rotation\"]"}) {
       SCOPED_TRACE(masses + ", hold " + hold);
       Lopsided ring{.masses = masses, .hold = hold};
-      const auto limit = place_of(run_text(ring.text(adaptive(1e-11))));
+      const auto limit = end_position(run_text(ring.text(adaptive(1e-11))));
       ring.dynamics = "inertial";
       std::vector<double> sizes, differences;
       for (const double mass : {4e-4, 2e-4, 1e-4}) {
@@ -218,14 +218,14 @@ TEST(OverdampedRigid, IsTheLimitOfSmallMasses) {
         sizes.push_back(mass);
         const RunResult heavy = run_text(ring.text(adaptive(1e-10)));
         ASSERT_EQ(heavy.status, RunStatus::finished);
-        differences.push_back(distance_between(place_of(heavy), limit));
+        differences.push_back(distance_between(end_position(heavy), limit));
       }
       EXPECT_NEAR(fitted_order(sizes, differences), 1.0, 0.05);
       EXPECT_LT(differences.back(), 3e-3);
       // In the limit masses matter for nothing but the position of the centre.
       ring.dynamics = "overdamped";
       ring.mass = 5.0;
-      EXPECT_LT(distance_between(place_of(run_text(ring.text(adaptive(1e-11)))), limit), 1e-8);
+      EXPECT_LT(distance_between(end_position(run_text(ring.text(adaptive(1e-11)))), limit), 1e-8);
     }
   }
 }
@@ -244,12 +244,12 @@ TEST(OverdampedRigid, MovesAlikeWhateverTheMassesAre) {
 
 TEST(OverdampedRigid, ConvergesWithTheOrderOfTheScheme) {
   const Lopsided ring{.masses = "[1.0, 7.0, 3.0, 2.0, 4.0]"};
-  const auto exact = place_of(run_text(ring.text(adaptive(1e-13))));
+  const auto exact = end_position(run_text(ring.text(adaptive(1e-13))));
   const auto order_of = [&](auto integrator) {
     std::vector<double> steps, errors;
     for (double h = 0.2; h > 0.02; h *= 0.5) {
       steps.push_back(h);
-      errors.push_back(distance_between(place_of(run_text(ring.text(integrator(h)))), exact));
+      errors.push_back(distance_between(end_position(run_text(ring.text(integrator(h)))), exact));
     }
     return fitted_order(steps, errors, 1e-12);
   };

@@ -168,7 +168,7 @@ TEST(Prescribed, InertiaSurvivesAResume) {
   EXPECT_EQ(*found.group("energy")["numerical_work"], *expected.group("energy")["numerical_work"]);
 }
 
-/// The place follows from the velocity's integral, with the order of the scheme.
+/// The position follows from the velocity's integral, with the order of the scheme.
 TEST(Prescribed, AnOscillatingMotionIsIntegratedToTheSchemesOrder) {
   const double duration = 3.2;
   const Wheel wheel{.velocity = "[\"0.3 * cos(2 * t)\", 0.0]",

@@ -24,7 +24,8 @@ namespace {
 
 // Finite differences of a right force are off by this: rounding, and an error of order h^8.
 constexpr double kRight = 1e-8;
-// A driver alone declares no period that places could be counted in: 1e5 away they lose 5 digits.
+// A driver alone declares no period that positions could be counted in: 1e5 away they lose 5
+// digits.
 constexpr double kRightFarAway = 1e-6;
 
 using Properties = std::vector<std::pair<std::string, std::string>>;
@@ -41,7 +42,7 @@ bool is_near(const std::string& property) {
   return property == "conservative" || property == "periodic" || property == "friction";
 }
 
-void expect_sound(const std::string& text, double right = kRight) {
+void expect_valid(const std::string& text, double right = kRight) {
   const auto results = check_properties(*scene_of(text));
   EXPECT_GT(results.size(), 10u);
   for (const PropertyResult& result : results) {
@@ -110,17 +111,17 @@ TEST(Properties, AreThoseOfTheForcesThatAreBuilt) {
 }
 
 TEST(Properties, HoldOnTipsChainsAndRings) {
-  expect_sound(TipScene{}.text());
+  expect_valid(TipScene{}.text());
   for (const char* coordinates : {"particles", "rigid"}) {
     for (const int count : {2, 8, 11}) {
-      expect_sound(RingScene{.coordinates = coordinates, .count = count}.text());
+      expect_valid(RingScene{.coordinates = coordinates, .count = count}.text());
     }
   }
   for (const int count : {2, 9, 60}) {
     for (int dimension = 1; dimension <= 3; ++dimension) {
-      expect_sound(chain(count, 0.618, "x", dimension));
+      expect_valid(chain(count, 0.618, "x", dimension));
     }
-    expect_sound(chain(count, 1.0, "y", 2));
+    expect_valid(chain(count, 1.0, "y", 2));
   }
 }
 
@@ -138,7 +139,7 @@ TEST(Properties, HoldForADriverOfManyParticles) {
 /// If the origin moved along an axis, coordinates held along it would stay behind.
 TEST(Properties, HoldBesideABodyThatIsHeld) {
   for (const char* held : {"x", "y"}) {
-    expect_sound(std::string(R"(
+    expect_valid(std::string(R"(
 [[body]]
 name = "free"
 type = "point"
@@ -176,7 +177,7 @@ integrator = { type = "rk4", dt = 1e-3 }
 }
 
 TEST(Properties, HoldOnTheSecondOfTwoTips) {
-  expect_sound(R"(
+  expect_valid(R"(
 [[body]]
 name = "first"
 type = "point"
@@ -203,8 +204,8 @@ integrator = { type = "rk4", dt = 0.01 }
 }
 
 TEST(Properties, HoldFarFromTheOriginAndForStiffBonds) {
-  expect_sound(TipScene{.position = 1e5 + 0.1}.text(), kRightFarAway);
-  expect_sound(RingScene{.bonds = 1e6, .centre = 1e4}.text(), kRightFarAway);
+  expect_valid(TipScene{.position = 1e5 + 0.1}.text(), kRightFarAway);
+  expect_valid(RingScene{.bonds = 1e6, .centre = 1e4}.text(), kRightFarAway);
 }
 
 /// An atomic force microscope in kg, m and s: nothing is near one.
@@ -217,7 +218,7 @@ const TipScene kInSIUnits{.velocity = 1e-6,
                           .duration = 1e-4,
                           .integrator = adaptive(1e-9)};
 
-TEST(Properties, HoldInSIUnits) { expect_sound(kInSIUnits.text()); }
+TEST(Properties, HoldInSIUnits) { expect_valid(kInSIUnits.text()); }
 
 // ---- planted faults
 
@@ -244,11 +245,11 @@ class TwoFaced : public BoundForce<double> {
 template <class Description, auto record, auto spoil>
 std::unique_ptr<BoundForce<double>> bind_spoilt(const void* description,
                                                 const Binding<double>& binding) {
-  static const ForceRecord sound = record();
+  static const ForceRecord valid = record();
   Description wrong = *static_cast<const Description*>(description);
   spoil(wrong);
-  return std::make_unique<TwoFaced>(sound.bind.in_double(&wrong, binding),
-                                    sound.bind.in_double(description, binding));
+  return std::make_unique<TwoFaced>(valid.bind.in_double(&wrong, binding),
+                                    valid.bind.in_double(description, binding));
 }
 
 template <auto spoil>
@@ -270,9 +271,9 @@ using Broken = std::set<std::string>;
 const std::string kGradient = "sinusoidal_substrate: conservative";
 
 TEST(PlantedFaults, ASoundForceBoundTheSameWayIsNotAccused) {
-  const SpoiltRegistry sound("sinusoidal_substrate", kSpoiltSubstrate<kUnspoilt>);
-  EXPECT_EQ(sound.broken_in(TipScene{}.text()), Broken{});
-  EXPECT_EQ(sound.broken_in(RingScene{.coordinates = "rigid"}.text()), Broken{});
+  const SpoiltRegistry valid("sinusoidal_substrate", kSpoiltSubstrate<kUnspoilt>);
+  EXPECT_EQ(valid.broken_in(TipScene{}.text()), Broken{});
+  EXPECT_EQ(valid.broken_in(RingScene{.coordinates = "rigid"}.text()), Broken{});
 }
 
 TEST(PlantedFaults, WrongSignFactorTwoAndLess) {
@@ -356,8 +357,8 @@ class OneSided : public BoundForce<double> {
 TEST(PlantedFaults, ForcesThatDoNotSumToZero) {
   const Bind bind = [](const void* description,
                        const Binding<double>& binding) -> std::unique_ptr<BoundForce<double>> {
-    static const ForceRecord sound = harmonic_bonds_record();
-    return std::make_unique<OneSided>(sound.bind.in_double(description, binding),
+    static const ForceRecord valid = harmonic_bonds_record();
+    return std::make_unique<OneSided>(valid.bind.in_double(description, binding),
                                       *binding.bodies.front());
   };
   EXPECT_GE(SpoiltRegistry("harmonic_bonds", bind)

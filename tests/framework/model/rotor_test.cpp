@@ -24,7 +24,7 @@ using Vector = Eigen::Vector3d;
 using Matrix = Eigen::Matrix3d;
 
 struct Particle {
-  Vector place;
+  Vector position;
   double mass = 1.0;
 };
 
@@ -44,7 +44,7 @@ struct Top {
     Vector sum = Vector::Zero();
     double mass = 0.0;
     for (const Particle& p : particles) {
-      sum += p.mass * p.place;
+      sum += p.mass * p.position;
       mass += p.mass;
     }
     return sum / mass;
@@ -52,22 +52,22 @@ struct Top {
   Matrix inertia() const {
     Matrix sum = Matrix::Zero();
     for (const Particle& p : particles) {
-      const Vector r = p.place - centre();
+      const Vector r = p.position - centre();
       sum += p.mass * (r.squaredNorm() * Matrix::Identity() - r * r.transpose());
     }
     return sum;
   }
   std::string text(double duration, const std::string& integrator,
                    const std::string& run = "") const {
-    std::string places;
+    std::string positions;
     std::string velocities;
     std::string masses;
     for (const Particle& p : particles) {
-      places += list_of(p.place) + ", ";
-      velocities += list_of(drift + spin.cross(p.place - centre())) + ", ";
+      positions += list_of(p.position) + ", ";
+      velocities += list_of(drift + spin.cross(p.position - centre())) + ", ";
       masses += digits(p.mass) + ", ";
     }
-    return "[[body]]\nname = \"top\"\ntype = \"particles\"\npositions = [" + places +
+    return "[[body]]\nname = \"top\"\ntype = \"particles\"\npositions = [" + positions +
            "]\nvelocity = [" + velocities + "]\nparticle_mass = [" + masses +
            "]\ncoordinates = \"" + coordinates + "\"\n" + more +
            "\n[run]\nduration = " + digits(duration) + "\nintegrator = " + integrator + "\n" + run;
@@ -100,7 +100,7 @@ Top symmetric(const Vector& axis) {
   return top;
 }
 
-std::vector<Vector> places(Engine& engine) {
+std::vector<Vector> positions(Engine& engine) {
   const Model& model = engine.model();
   std::vector<double> numbers(3 * model.bodies()[0].bound.slot.count);
   model.place_particles(0, model.system().view.position, numbers.data());
@@ -111,11 +111,11 @@ std::vector<Vector> places(Engine& engine) {
   return all;
 }
 
-std::vector<Vector> places_after(const std::string& text) {
+std::vector<Vector> positions_after(const std::string& text) {
   Engine engine(scene_of(text), {});
   const RunResult result = engine.run();
   EXPECT_EQ(result.status, RunStatus::finished);
-  return places(engine);
+  return positions(engine);
 }
 
 double distance(const std::vector<Vector>& a, const std::vector<Vector>& b) {
@@ -124,7 +124,8 @@ double distance(const std::vector<Vector>& a, const std::vector<Vector>& b) {
   return most;
 }
 
-/// Kinetic energy, and angular momentum about the centre, from places and velocities of particles.
+/// Kinetic energy, and angular momentum about the centre, from positions and velocities of
+/// particles.
 struct Motions {
   double energy = 0.0;
   Vector momentum = Vector::Zero();
@@ -134,7 +135,7 @@ Motions motions_of(Engine& engine, const Top& top) {
   const Model& model = engine.model();
   const auto& slot = model.bodies()[0].bound.slot;
   const SystemView<double>& view = model.system().view;
-  const std::vector<Vector> at = places(engine);
+  const std::vector<Vector> at = positions(engine);
   Motions found;
   found.energy = model.kinetic_energy(view.position, view.velocity);
   Vector centre(view.position[slot.centre], view.position[slot.centre + 1],
@@ -229,13 +230,13 @@ TEST(Rotor, FreeSymmetricTopPrecesses) {
     const double across = 0.5 * (inertia.trace() - about);
     const double own = axis.dot(top.spin) * (1.0 - about / across);
     for (const double t : {3.0, 50.0}) {
-      const std::vector<Vector> found = places_after(top.text(t, adaptive(1e-13, "dop853")));
+      const std::vector<Vector> found = positions_after(top.text(t, adaptive(1e-13, "dop853")));
       const Matrix turn = Eigen::AngleAxisd(momentum.norm() / across * t, momentum.normalized())
                               .toRotationMatrix() *
                           Eigen::AngleAxisd(own * t, axis).toRotationMatrix();
       std::vector<Vector> expected;
       for (const Particle& p : top.particles) {
-        expected.push_back(top.centre() + top.drift * t + turn * (p.place - top.centre()));
+        expected.push_back(top.centre() + top.drift * t + turn * (p.position - top.centre()));
       }
       EXPECT_LT(distance(found, expected), kTolerance) << t;
     }
@@ -245,16 +246,17 @@ TEST(Rotor, FreeSymmetricTopPrecesses) {
 TEST(Rotor, RodTurnsSteadily) {
   Top rod;
   rod.particles = {{{0.0, 0.0, 0.0}, 1.0}, {{1.0, 2.0, 0.5}, 3.0}};
-  const Vector along = (rod.particles[1].place - rod.particles[0].place).normalized();
+  const Vector along = (rod.particles[1].position - rod.particles[0].position).normalized();
   rod.spin = along.cross(Vector(0.4, 0.1, -0.9));  // no rotation about itself
   for (const double t : {1.0, 40.0}) {
     const Matrix turn =
         Eigen::AngleAxisd(rod.spin.norm() * t, rod.spin.normalized()).toRotationMatrix();
     std::vector<Vector> expected;
     for (const Particle& p : rod.particles) {
-      expected.push_back(rod.centre() + turn * (p.place - rod.centre()));
+      expected.push_back(rod.centre() + turn * (p.position - rod.centre()));
     }
-    EXPECT_LT(distance(places_after(rod.text(t, adaptive(1e-13, "dop853"))), expected), 1e-9) << t;
+    EXPECT_LT(distance(positions_after(rod.text(t, adaptive(1e-13, "dop853"))), expected), 1e-9)
+        << t;
   }
   Engine engine(scene_of(rod.text(1.0, adaptive(1e-6))), {});
   EXPECT_EQ(engine.model().bodies()[0].bound.freedom, 5);
@@ -276,9 +278,9 @@ TEST(Rotor, TopThatTurnsOverConservesEnergyAndAngularMomentum) {
   double least = 1.0;
   while (!engine.done()) {
     engine.advance(10);
-    const std::vector<Vector> at = places(engine);
+    const std::vector<Vector> at = positions(engine);
     // How far the direction that was the middle axis has turned.
-    const Vector before = top.particles[1].place - top.particles[0].place;
+    const Vector before = top.particles[1].position - top.particles[0].position;
     const Vector after = at[1] - at[0];
     EXPECT_NEAR(after.norm(), before.norm(), 1e-13);
     const SystemView<double>& view = engine.model().system().view;
@@ -295,14 +297,14 @@ TEST(Rotor, TopThatTurnsOverConservesEnergyAndAngularMomentum) {
 /// Also with steps that turn the body far, for which orientations must follow every step.
 TEST(Rotor, SchemesConvergeWithTheirOrder) {
   const Top top = asymmetric();
-  const std::vector<Vector> exact = places_after(top.text(4.0, adaptive(1e-13, "dop853")));
+  const std::vector<Vector> exact = positions_after(top.text(4.0, adaptive(1e-13, "dop853")));
   const std::vector<std::pair<std::string, double>> schemes = {{"midpoint", 2.0}, {"rk4", 4.0}};
   for (const auto& scheme : schemes) {
     const std::string& name = scheme.first;
     const double order = scheme.second;
     const auto error = [&](double dt) {
       return distance(
-          places_after(top.text(4.0, "{ type = \"" + name + "\", dt = " + digits(dt) + " }")),
+          positions_after(top.text(4.0, "{ type = \"" + name + "\", dt = " + digits(dt) + " }")),
           exact);
     };
     const double slope = std::log2(error(0.04) / error(0.02));
@@ -316,15 +318,15 @@ TEST(Rotor, BodyInThePlaneIsThePlanarOne) {
   constexpr double kTolerance = 1e-9;  // two parametrisations, steps to 1e-12
   const auto scene = [](bool in_space) {
     const std::string zero = in_space ? ", 0.0" : "";
-    std::string places;
+    std::string positions;
     std::string velocities;
     for (int k = 0; k < 7; ++k) {
       const double x = 1.2 * std::cos(kTau * k / 7.0);
       const double y = 1.2 * std::sin(kTau * k / 7.0);
-      places += "[" + digits(x) + ", " + digits(y) + zero + "], ";
+      positions += "[" + digits(x) + ", " + digits(y) + zero + "], ";
       velocities += "[" + digits(0.3 - 1.5 * y) + ", " + digits(0.1 + 1.5 * x) + zero + "], ";
     }
-    return "[[body]]\nname = \"ring\"\ntype = \"particles\"\npositions = [" + places +
+    return "[[body]]\nname = \"ring\"\ntype = \"particles\"\npositions = [" + positions +
            "]\nparticle_mass = [1.0, 1.3, 0.7, 1.0, 2.0, 1.0, 0.4]\ncoordinates = \"rigid\"\n"
            "velocity = [" +
            velocities +
@@ -362,7 +364,7 @@ TEST(Rotor, IsTheLimitOfStiffBonds) {
   top.more =
       "[[force]]\nname = \"trap\"\ntype = \"expression\"\nbody = \"top\"\n"
       "energy = \"0.1 * x^2 + 0.2 * (y - 0.3 * z)^2 + 0.15 * z^2\"\n";
-  const std::vector<Vector> rigid = places_after(top.text(5.0, adaptive(1e-11, "dop853")));
+  const std::vector<Vector> rigid = positions_after(top.text(5.0, adaptive(1e-11, "dop853")));
   std::vector<double> errors;
   for (const double stiffness : {1e3, 4e3}) {
     Top flexible = top;
@@ -371,7 +373,8 @@ TEST(Rotor, IsTheLimitOfStiffBonds) {
         "[[force]]\nname = \"bonds\"\ntype = \"harmonic_bonds\"\nbody = \"top\"\npairs = \"all\"\n"
         "stiffness = " +
         digits(stiffness) + "\n";
-    errors.push_back(distance(places_after(flexible.text(5.0, adaptive(1e-11, "dop853"))), rigid));
+    errors.push_back(
+        distance(positions_after(flexible.text(5.0, adaptive(1e-11, "dop853"))), rigid));
   }
   EXPECT_LT(errors[0], 0.05);
   EXPECT_GT(errors[0], 1e-5);  // it does bend
@@ -429,7 +432,7 @@ TEST(Rotor, TubeRolls) {
   const Model& model = still.model();
   const double radius = model.bodies()[0].rolling_radius;
   still.run();
-  const std::vector<Vector> at = places(still);
+  const std::vector<Vector> at = positions(still);
   const Vector spin(0.8, 0.0, 0.0);
   const Vector drift(0.0, -0.8 * radius, 0.0);  // rolls without sliding on what is below
   std::string velocities = "velocity = [";
@@ -488,7 +491,7 @@ TEST(Rotor, ForceOnItsCentreAddsToThoseOnItsParticles) {
   while (!engine.done()) engine.advance(1000);
   double mass = 0.0;
   Vector centre = Vector::Zero();
-  const std::vector<Vector> now = places(engine);
+  const std::vector<Vector> now = positions(engine);
   for (std::size_t i = 0; i < now.size(); ++i) {
     mass += top.particles[i].mass;
     centre += top.particles[i].mass * now[i];
@@ -497,9 +500,9 @@ TEST(Rotor, ForceOnItsCentreAddsToThoseOnItsParticles) {
   const double omega = std::sqrt(kStiffness / mass);
   const double phase = omega * kDuration;
   const Vector total = static_cast<double>(now.size()) * pull;
-  Vector due = top.centre() + total / kStiffness * (1.0 - std::cos(phase));
-  due[0] += kSpeed * (kDuration - std::sin(phase) / omega);
-  EXPECT_LT((centre - due).norm(), kClose);
+  Vector wanted = top.centre() + total / kStiffness * (1.0 - std::cos(phase));
+  wanted[0] += kSpeed * (kDuration - std::sin(phase) / omega);
+  EXPECT_LT((centre - wanted).norm(), kClose);
 }
 
 /// A run that starts where another has ended finds the particles there, with their velocities, also
@@ -509,7 +512,7 @@ TEST(Rotor, StartsWhereAnotherHasEnded) {
   top.more = kNoForce;
   Engine first(scene_of(top.text(7.0, adaptive(1e-10))), {});
   first.run();
-  const std::vector<Vector> there = places(first);
+  const std::vector<Vector> there = positions(first);
   const FinalState end = first.final_state();
   Top other = top;
   std::swap(other.particles[0].mass, other.particles[1].mass);
@@ -518,7 +521,7 @@ TEST(Rotor, StartsWhereAnotherHasEnded) {
     options.start_from = &end;
     Engine second(scene_of(next.text(1e-9, fixed_step(1e-9))), options);
     second.run();
-    const std::vector<Vector> here = places(second);
+    const std::vector<Vector> here = positions(second);
     // The centre is another one where the masses are.
     for (std::size_t i = 1; i < here.size(); ++i) {
       EXPECT_NEAR(((here[i] - here[0]) - (there[i] - there[0])).norm(), 0.0, 1e-8);
@@ -530,7 +533,7 @@ TEST(Rotor, StartsWhereAnotherHasEnded) {
     EXPECT_NEAR((spin_of(second) - spin_of(first)).norm(), 0.0, 1e-8);
   }
   Top point = top;
-  for (Particle& particle : point.particles) particle.place = Vector(1.0, 1.0, 1.0);
+  for (Particle& particle : point.particles) particle.position = Vector(1.0, 1.0, 1.0);
   RunOptions options;
   options.start_from = &end;
   EXPECT_FALSE(
@@ -551,9 +554,9 @@ TEST(Rotor, RotatesAboutAnAxisOfSpaceAlone) {
   const Matrix turn = Eigen::AngleAxisd(0.9 * 9.0, axis).toRotationMatrix();
   std::vector<Vector> expected;
   for (const Particle& p : top.particles) {
-    expected.push_back(top.centre() + turn * (p.place - top.centre()));
+    expected.push_back(top.centre() + turn * (p.position - top.centre()));
   }
-  EXPECT_LT(distance(places(engine), expected), 1e-9);
+  EXPECT_LT(distance(positions(engine), expected), 1e-9);
   const SystemView<double>& view = engine.model().system().view;
   EXPECT_NEAR(engine.model().kinetic_energy(view.position, view.velocity), 0.5 * inertia * 0.81,
               1e-10);

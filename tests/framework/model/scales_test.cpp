@@ -14,7 +14,7 @@ namespace {
 
 const double kTau = 2.0 * std::acos(-1.0);
 constexpr double kRounding = 1e-12;  // of a few operations on numbers of order one
-// A scan of 200 places meets the largest slope of a sinusoid to (pi/200)^2/2.
+// A scan of 200 positions meets the largest slope of a sinusoid to (pi/200)^2/2.
 constexpr double kScan = 2e-4;
 // Slopes of a linear spring by differences over a thousandth of a period, some lengths away.
 constexpr double kDifferences = 1e-11;
@@ -117,7 +117,7 @@ TEST(Scales, DryFrictionIsFastestNearRest) {
   }
 }
 
-/// Stiff bonds shake within the ring; its place does not feel them.
+/// Stiff bonds shake within the ring; its position does not feel them.
 TEST(Scales, BondsAreNotWhatTheBodySlidesBy) {
   const Scales found = scales(RingScene{.bonds = 1e6}.text());
   EXPECT_TRUE(of(found, "harmonic_bonds").internal);
@@ -198,7 +198,7 @@ TEST(Scales, ABondBetweenTwoBodiesIsNotWithinOne) {
   EXPECT_FALSE(of(found, "lever").internal);
   EXPECT_EQ(of(found, "lever").between, (std::vector<std::string>{"support", "tip"}));
   EXPECT_TRUE(of(found, "driver").between.empty());
-  // It is the fastest that the bodies' places feel: two masses of one on a spring of three.
+  // It is the fastest that the bodies' positions feel: two masses of one on a spring of three.
   EXPECT_EQ(scales(Pulled{.amplitude = 1e-3}.text()).damping.oscillator, "lever");
 }
 

@@ -9,7 +9,7 @@
 #include "framework/model/properties.hpp"
 #include "tests/support/ring_scenes.hpp"
 
-// Pairs whose particles are in one place: where their energy is level there they are as regular as
+// Pairs whose particles coincide: where their energy is level there they are as regular as
 // anywhere, and else there is an error that says so.
 
 namespace tomlin::test {
@@ -32,7 +32,7 @@ std::string along_x(int dimension, double x) {
   return list + "]";
 }
 
-/// A tip tied to the place of a support, and loaded along x: x - x0 = F/k (1 - cos(w t)).
+/// A tip tied to the position of a support, and loaded along x: x - x0 = F/k (1 - cos(w t)).
 std::string tied(int dimension, const std::string& tie, const std::string& run) {
   std::string all;
   for (const char* name : {"tip", "support"}) {

@@ -87,14 +87,14 @@ TEST_P(Varied, EachParticleMovesAsOneAloneWithItsNumbers) {
   const RunResult alone = run_text(apart + run);
   // The mean of the particles, mass by mass, is what a body of them tells.
   const RunResult together = run_text(particles_together() + run);
-  const std::vector<double> places = ends_of(alone, "p", kParticles);
+  const std::vector<double> positions = ends_of(alone, "p", kParticles);
   double mean_x = 0.0;
   double mean_y = 0.0;
   double mass = 0.0;
   for (int i = 0; i < kParticles; ++i) {
     const double own = 1.0 + 0.25 * i;
-    mean_x += own * places[2 * i];
-    mean_y += own * places[2 * i + 1];
+    mean_x += own * positions[2 * i];
+    mean_y += own * positions[2 * i + 1];
     mass += own;
   }
   constexpr double kRounding = 1e-13;  // of sums in another order

@@ -70,7 +70,7 @@ TEST(ExtendedXyz, ReadsBackAsTheSameBits) {
       text >> species >> x;
       std::getline(text, rest);
       ASSERT_EQ(species, "X");
-      ASSERT_EQ(std::strtod(x.c_str(), nullptr), place_of(f, i));
+      ASSERT_EQ(std::strtod(x.c_str(), nullptr), position_of(f, i));
       ASSERT_EQ(rest, " 0 0 0");
     }
   }
@@ -88,7 +88,7 @@ TEST(ExtendedXyz, NamesSpeciesAndIsReadAsItWasWritten) {
     EXPECT_EQ(frame.species, (std::vector<std::string>{"H", "C", "C", "X"}));
     ASSERT_EQ(frame.positions.size(), 8U);
     for (std::size_t k = 0; k < 8; ++k) {
-      EXPECT_EQ(frame.positions[k], place_of(static_cast<std::size_t>(f), k));
+      EXPECT_EQ(frame.positions[k], position_of(static_cast<std::size_t>(f), k));
     }
   }
   EXPECT_GE(xyz_bytes_per_frame(with_species(), some_facts()), text.size() / 3);

@@ -79,7 +79,7 @@ void expect_frames(const Hdf5Handle& file, const RunLayout& layout, std::size_t 
   for (std::size_t f = 0; f < frames; ++f) {
     for (std::size_t i = 0; i < layout.particles(); ++i) {
       for (std::size_t d = 0; d < 3; ++d) {
-        wrong += value.values[k++] != (d < axes ? place_of(f, i * axes + d) : 0.0);
+        wrong += value.values[k++] != (d < axes ? position_of(f, i * axes + d) : 0.0);
       }
     }
   }

@@ -187,8 +187,8 @@ TEST(Journal, EveryFlippedBitIsNoticed) {
   const JournalMark end = write_small_journal(folder / "changed", kFew);
   const std::string whole = content(folder / "changed");
   std::fstream file(folder / "changed", std::ios::in | std::ios::out | std::ios::binary);
-  const auto put = [&file](std::size_t place, char byte) {
-    file.seekp(static_cast<std::streamoff>(place)).put(byte).flush();
+  const auto put = [&file](std::size_t offset, char byte) {
+    file.seekp(static_cast<std::streamoff>(offset)).put(byte).flush();
   };
   for (std::size_t k = 0; k < 8 * whole.size(); ++k) {
     put(k / 8, static_cast<char>(whole[k / 8] ^ (1 << k % 8)));

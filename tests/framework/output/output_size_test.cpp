@@ -38,7 +38,7 @@ Scene scene_with(std::optional<TrajectoryFormat> format) {
   scene.output.every = 1.0;
   scene.output.trajectory = format.has_value();
   if (format) scene.output.trajectory_format = *format;
-  scene.output.places["every"] = {"scene.toml", 7, 9};
+  scene.output.locations["every"] = {"scene.toml", 7, 9};
   return scene;
 }
 
@@ -127,7 +127,7 @@ TEST(OutputSize, WhatDoesNotFitIsRefusedWithWhatWould) {
   EXPECT_FALSE(refusal(scene, size, size.together()));
   const auto fault = refusal(scene, size, 1e6);
   ASSERT_TRUE(fault);
-  EXPECT_EQ(fault->place.file, "scene.toml");
+  EXPECT_EQ(fault->location.file, "scene.toml");
   EXPECT_EQ(brief(*fault), "7:9 output.every = 0.001 [output.too_large]");
   for (const char* part : {"100001", "5 MB of observables.csv", "MB of trajectory.xyz",
                            "MB of run.journal", " 1 MB"}) {
@@ -158,7 +158,7 @@ TEST(OutputSize, MoreRowsThanAnyoneReadsAreRefusedHoweverMuchRoomThereIs) {
 TEST(OutputSize, CheckpointsAloneNeedRoomToo) {
   Scene scene = scene_with(std::nullopt);
   scene.output = OutputSettings();
-  scene.run.place = {"scene.toml", 3, 1};
+  scene.run.location = {"scene.toml", 3, 1};
   RunLayout layout;
   layout.state_bytes = 1'000'000;
   const OutputSize size = output_size(scene, layout);

@@ -23,7 +23,7 @@ std::optional<Fault> fault_of(const fs::path& path, Occupied occupied = Occupied
     folder.create();
   } catch (const InputError& error) {
     EXPECT_EQ(error.faults().size(), 1U);
-    EXPECT_EQ(error.faults()[0].place.file, "-o");
+    EXPECT_EQ(error.faults()[0].location.file, "-o");
     return error.faults()[0];
   }
   return std::nullopt;

@@ -41,7 +41,7 @@ inline TrajectoryFacts some_facts() {
 }
 
 /// Numbers with all their digits, different everywhere.
-inline double place_of(std::size_t frame, std::size_t k) {
+inline double position_of(std::size_t frame, std::size_t k) {
   return 1e9 / 3.0 + 0.1 * static_cast<double>(frame) - static_cast<double>(k) / 7.0;
 }
 
@@ -51,7 +51,7 @@ inline std::vector<double> row_of(const RunLayout& layout, std::size_t frame) {
   std::vector<double> row(layout.row(), -1.0);
   row[0] = time_of(frame);
   for (std::size_t k = layout.columns.size(); k < row.size(); ++k) {
-    row[k] = place_of(frame, k - layout.columns.size());
+    row[k] = position_of(frame, k - layout.columns.size());
   }
   return row;
 }

@@ -96,7 +96,7 @@ TEST(ElfNote, EveryFlippedBit) {
   }
 }
 
-/// Sizes and places that wrap round, at random.
+/// Sizes and positions that wrap round, at random.
 TEST(ElfNote, WildNumbers) {
   const std::string whole = morse();
   const std::string start = whole.substr(0, end_of_notes(whole));

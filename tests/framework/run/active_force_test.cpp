@@ -38,8 +38,8 @@ std::string active(double from, double until) {
   return "active = { from = " + digits(from) + ", until = " + digits(until) + " }\n";
 }
 
-/// Place and velocity at the end: free flight, the oscillation about a support that sets out from
-/// the particle, free flight.
+/// Position and velocity at the end: free flight, the oscillation about a support that sets out
+/// from the particle, free flight.
 struct End {
   double x = 0.0, v = 0.0;
 };
@@ -115,7 +115,7 @@ TEST(ActiveForce, FarFromTheOriginToo) {
   const std::string moved = "position = [" + digits(far) + "]";
   std::string there = text;
   there.replace(there.find("position = [0.1]"), 16, moved);
-  constexpr double kLastDigits = 1e-4;  // a thousand steps at a place of 1e9, in units of 1e-7
+  constexpr double kLastDigits = 1e-4;  // a thousand steps at a position of 1e9, in units of 1e-7
   EXPECT_NEAR(end_of(there).x - far, near.x - 0.1, kLastDigits);
 }
 
@@ -151,8 +151,8 @@ TEST(ActiveForce, SamplesShowIt) {
     if (t < kFrom + half || t > kUntil + half) {
       EXPECT_EQ(row[force], 0.0) << t;
     } else {
-      const double place = 0.1 + kSpeed * kFrom + kPull * (t - kFrom);
-      EXPECT_NEAR(row[end], place, 1e-12) << t;
+      const double position = 0.1 + kSpeed * kFrom + kPull * (t - kFrom);
+      EXPECT_NEAR(row[end], position, 1e-12) << t;
       EXPECT_NEAR(row[force], kStiffness * (row[end] - row[x]), 1e-12) << t;
     }
   }
@@ -255,7 +255,7 @@ TEST(ActiveForce, WhatCannotBeIsRefused) {
     } catch (const InputError& error) {
       Fault fault = error.faults().at(0);
       fault.value.clear();
-      fault.place = {};  // in the middle of the scene
+      fault.location = {};  // in the middle of the scene
       return brief(fault);
     }
     return std::string();

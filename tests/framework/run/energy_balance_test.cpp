@@ -152,7 +152,7 @@ struct PullsOnALittle : SinusoidalSubstrate {
 /// An adaptive scheme says how exact it is, and its numerical work is held against that.
 TEST(EnergyBalance, OfAnAdaptiveSchemeIsHeldAgainstItsTolerance) {
   const SpoiltRegistry spoilt("sinusoidal_substrate", planted<PullsOnALittle>);
-  const SpoiltRegistry sound("sinusoidal_substrate", planted<SinusoidalSubstrate>);
+  const SpoiltRegistry valid("sinusoidal_substrate", planted<SinusoidalSubstrate>);
   for (const char* type : {"dopri5", "dop853"}) {
     for (const double tolerance : {1e-7, 1e-9, 1e-12}) {
       const TipScene tip{.stiffness = 0.7,
@@ -163,8 +163,8 @@ TEST(EnergyBalance, OfAnAdaptiveSchemeIsHeldAgainstItsTolerance) {
       SCOPED_TRACE(tip.integrator);
       const std::string text = with_ledger(tip.text());
       EXPECT_TRUE(warned(run(parse_scene(text, "test.toml", spoilt.registry()), {})));
-      EXPECT_FALSE(warned(run(parse_scene(text, "test.toml", sound.registry()), {})));
-      EXPECT_FALSE(warned(run(parse_scene(tip.text(), "test.toml", sound.registry()), {})));
+      EXPECT_FALSE(warned(run(parse_scene(text, "test.toml", valid.registry()), {})));
+      EXPECT_FALSE(warned(run(parse_scene(tip.text(), "test.toml", valid.registry()), {})));
     }
   }
 }
@@ -206,7 +206,7 @@ TEST(EnergyBalance, IsHeldAgainstFlowsAndNotTheirDifference) {
 /// A ledger of the run's own finds it, and so do samples of single steps.
 TEST(EnergyBalance, FindsAForceThatIsNotTheSlopeOfItsEnergy) {
   const SpoiltRegistry spoilt("sinusoidal_substrate", planted<PullsOn>);
-  const SpoiltRegistry sound("sinusoidal_substrate", planted<SinusoidalSubstrate>);
+  const SpoiltRegistry valid("sinusoidal_substrate", planted<SinusoidalSubstrate>);
   for (const std::string& integrator :
        {fixed("rk4", 0.01), fixed("velocity_verlet", 0.01), fixed("baoab", 0.01),
         fixed("gjf", 0.01), adaptive(1e-6), adaptive(1e-8), adaptive(1e-6, "dop853")}) {
@@ -218,7 +218,7 @@ TEST(EnergyBalance, FindsAForceThatIsNotTheSlopeOfItsEnergy) {
                        .integrator = integrator};
     for (const std::string& text : {tip.text(), with_ledger(tip.text())}) {
       EXPECT_TRUE(warned(run(parse_scene(text, "test.toml", spoilt.registry()), {})));
-      EXPECT_FALSE(warned(run(parse_scene(text, "test.toml", sound.registry()), {})));
+      EXPECT_FALSE(warned(run(parse_scene(text, "test.toml", valid.registry()), {})));
     }
   }
 }

@@ -356,7 +356,7 @@ TEST(Slips, ResonantSlidingWithoutWellsHasNone) {
 /// goes on to the next well: one slip, but two where wells are not known.
 TEST(Slips, DoNotEndOnABarrier) {
   constexpr double kSpeed = 0.01;
-  const auto place = [](double t) {
+  const auto position = [](double t) {
     if (t < 50.0) return 0.002 * t;
     if (t < 52.0) return 0.1 + 0.2 * (t - 50.0);
     if (t < 68.0) return 0.5 + 0.001 * (t - 52.0);
@@ -377,7 +377,7 @@ TEST(Slips, DoNotEndOnABarrier) {
     for (int k = 0; k < 1000; ++k) {
       const double t = 0.1 * k;
       watch.add(
-          t, kSpeed * t - place(t),
+          t, kSpeed * t - position(t),
           [&](const Event& event) {
             if (event.kind == EventKind::slip) slips.push_back(event);
           },

@@ -29,11 +29,11 @@ TEST(FarOutTypes, ATipsMeanForceIsThatAtTheOrigin) {
   for (const double period : {1.0, 0.3}) {
     for (const std::string type : {"double", "quadruple"}) {
       for (const double cells : {1e9, -1e9, 1e12}) {
-        const double place = (cells + 0.25) * period;
+        const double position = (cells + 0.25) * period;
         // The part of a period that this number stands for, exactly.
-        const double offset = std::fma(-cells, period, place);
+        const double offset = std::fma(-cells, period, position);
         const double here = mean_force(period, offset, type);
-        EXPECT_NEAR(mean_force(period, place, type), here, kRounding * here)
+        EXPECT_NEAR(mean_force(period, position, type), here, kRounding * here)
             << type << ", period " << period << ", cells " << cells;
       }
     }

@@ -314,11 +314,11 @@ std::vector<Ended> in_lanes(const LaneCase& one, int n, std::size_t lanes,
       batch.add(*engines[next]);
     }
     for (Engine* const engine : batch.advance()) {
-      const auto place = std::find_if(engines.begin(), engines.end(),
+      const auto found = std::find_if(engines.begin(), engines.end(),
                                       [&](const auto& some) { return some.get() == engine; });
       RunResult result = engine->end();
       steps += result.steps;
-      ended[static_cast<std::size_t>(place - engines.begin())] = {engine->state().to_bytes(),
+      ended[static_cast<std::size_t>(found - engines.begin())] = {engine->state().to_bytes(),
                                                                   std::move(result)};
     }
   }
@@ -345,9 +345,10 @@ TEST(LaneBatch, RunsHaveTheBitsOfSingleRuns) {
     constexpr int kReplicas = 9;
     const std::vector<Ended> ended = in_lanes(one, kReplicas, kReplicas, options);
     for (int k = 0; k < kReplicas; ++k) {
-      const Ended due = alone(one, k, options);
-      ASSERT_EQ(due.result.status, RunStatus::finished) << one.name;
-      expect_same(one, due, ended[static_cast<std::size_t>(k)], "replica " + std::to_string(k));
+      const Ended expected = alone(one, k, options);
+      ASSERT_EQ(expected.result.status, RunStatus::finished) << one.name;
+      expect_same(one, expected, ended[static_cast<std::size_t>(k)],
+                  "replica " + std::to_string(k));
     }
   }
 }
@@ -402,12 +403,12 @@ TEST(LaneBatch, AnyNumberOfLanesGivesTheSame) {
   const LaneCase& one = lane_case("rigid_ring");
   const RunOptions options = asked_for(one);
   constexpr int kReplicas = 8;
-  std::vector<Ended> due;
-  for (int k = 0; k < kReplicas; ++k) due.push_back(alone(one, k, options));
+  std::vector<Ended> expected;
+  for (int k = 0; k < kReplicas; ++k) expected.push_back(alone(one, k, options));
   for (std::size_t lanes = 1; lanes <= kReplicas; ++lanes) {
     const std::vector<Ended> ended = in_lanes(one, kReplicas, lanes, options);
     for (std::size_t k = 0; k < ended.size(); ++k) {
-      expect_same(one, due[k], ended[k], std::to_string(lanes) + " lanes");
+      expect_same(one, expected[k], ended[k], std::to_string(lanes) + " lanes");
     }
   }
 }
@@ -417,15 +418,15 @@ TEST(LaneBatch, OnEveryInstructionSet) {
     RunOptions options = asked_for(one);
     options.instruction_set = InstructionSet::baseline;
     constexpr int kReplicas = 3;
-    std::vector<Ended> due;
-    for (int k = 0; k < kReplicas; ++k) due.push_back(alone(one, k, options));
+    std::vector<Ended> expected;
+    for (int k = 0; k < kReplicas; ++k) expected.push_back(alone(one, k, options));
     for (const InstructionSet set :
          {InstructionSet::baseline, InstructionSet::avx2, InstructionSet::avx512}) {
       if (!is_supported(set)) continue;
       options.instruction_set = set;
       const std::vector<Ended> ended = in_lanes(one, kReplicas, kReplicas, options);
       for (std::size_t k = 0; k < ended.size(); ++k) {
-        expect_same(one, due[k], ended[k], "replica " + std::to_string(k));
+        expect_same(one, expected[k], ended[k], "replica " + std::to_string(k));
       }
     }
   }
@@ -438,12 +439,12 @@ void expect_failures_as_alone(const LaneCase& one) {
   int failed = 0;
   for (int k = 0; k < kReplicas; ++k) {
     const Ended& here = ended[static_cast<std::size_t>(k)];
-    const Ended due = alone(one, k, options);
-    expect_same(one, due, here, "replica " + std::to_string(k));
-    ASSERT_EQ(due.result.failure.has_value(), here.result.failure.has_value());
-    if (!due.result.failure) continue;
+    const Ended expected = alone(one, k, options);
+    expect_same(one, expected, here, "replica " + std::to_string(k));
+    ASSERT_EQ(expected.result.failure.has_value(), here.result.failure.has_value());
+    if (!expected.result.failure) continue;
     ++failed;
-    EXPECT_EQ(to_string(*due.result.failure), to_string(*here.result.failure));
+    EXPECT_EQ(to_string(*expected.result.failure), to_string(*here.result.failure));
   }
   EXPECT_GE(failed, 2);
   EXPECT_LT(failed, kReplicas);
@@ -497,8 +498,9 @@ TEST(LaneBatch, TheEnergyBalanceIsSampledAsInSingleRuns) {
     constexpr int kReplicas = 5;
     const std::vector<Ended> ended = in_lanes(one, kReplicas, kReplicas, options);
     for (int k = 0; k < kReplicas; ++k) {
-      const Ended due = alone(one, k, options);
-      expect_same(one, due, ended[static_cast<std::size_t>(k)], "replica " + std::to_string(k));
+      const Ended expected = alone(one, k, options);
+      expect_same(one, expected, ended[static_cast<std::size_t>(k)],
+                  "replica " + std::to_string(k));
     }
   }
 }
@@ -521,14 +523,14 @@ TEST(LaneBatch, AnAdaptiveRunThatFailsDisturbsNoOther) {
   const std::vector<Ended> ended = in_lanes(one, kReplicas, kReplicas, options);
   for (int k = 0; k < kReplicas; ++k) {
     const Ended& here = ended[static_cast<std::size_t>(k)];
-    const Ended due = alone(one, k, options);
-    expect_same(one, due, here, "replica " + std::to_string(k));
-    EXPECT_EQ(due.result.failure.has_value(), k == 1 || k == 4);
-    ASSERT_EQ(due.result.failure.has_value(), here.result.failure.has_value());
-    if (due.result.failure) {
-      EXPECT_EQ(to_string(*due.result.failure), to_string(*here.result.failure));
+    const Ended expected = alone(one, k, options);
+    expect_same(one, expected, here, "replica " + std::to_string(k));
+    EXPECT_EQ(expected.result.failure.has_value(), k == 1 || k == 4);
+    ASSERT_EQ(expected.result.failure.has_value(), here.result.failure.has_value());
+    if (expected.result.failure) {
+      EXPECT_EQ(to_string(*expected.result.failure), to_string(*here.result.failure));
     }
-    EXPECT_EQ(due.result.refused_steps, here.result.refused_steps);
+    EXPECT_EQ(expected.result.refused_steps, here.result.refused_steps);
   }
 }
 
@@ -662,38 +664,38 @@ TEST(LaneBatch, StepsOfATipAreTakenInRegisters) {
   }
 }
 
-/// A kernel of steps in registers with a fault, which stands behind the sound one.
+/// A kernel of steps in registers with a fault, which stands behind the valid one.
 using Spoil = bool (*)(const SystemView<double>& lanes, std::size_t steps, const LaneRows& rows,
-                       bool sound);
+                       bool valid);
 
-LaneBlock& sound_block() {
+LaneBlock& valid_block() {
   static LaneBlock block = nullptr;
   return block;
 }
 
 template <Spoil spoil>
 LaneBlock spoilt_block_of(const System<double>& run, std::span<const Kernel<double>> forces) {
-  sound_block() = standard().integrator("rk4")->lane_block(run, forces);
+  valid_block() = standard().integrator("rk4")->lane_block(run, forces);
   return [](const SystemView<double>& lanes, double h, std::size_t steps, const LaneRows& rows) {
-    return spoil(lanes, steps, rows, sound_block()(lanes, h, steps, rows));
+    return spoil(lanes, steps, rows, valid_block()(lanes, h, steps, rows));
   };
 }
 
 bool last_digit(const SystemView<double>& lanes, std::size_t steps, const LaneRows& rows,
-                bool sound) {
+                bool valid) {
   double& velocity = rows.velocities[steps * lanes.dofs + 1];
   velocity = std::nextafter(velocity, 1e9);
-  return sound;
+  return valid;
 }
 bool integral_of_neighbour(const SystemView<double>&, std::size_t, const LaneRows& rows,
-                           bool sound) {
+                           bool valid) {
   rows.integrals[1] = rows.integrals[0];
-  return sound;
+  return valid;
 }
 bool force_of_neighbour(const SystemView<double>& lanes, std::size_t, const LaneRows& rows,
-                        bool sound) {
+                        bool valid) {
   rows.rates[5 * lanes.rates + 1] = rows.rates[5 * lanes.rates];
-  return sound;
+  return valid;
 }
 bool failure_unseen(const SystemView<double>&, std::size_t, const LaneRows&, bool) { return true; }
 

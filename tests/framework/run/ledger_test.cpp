@@ -236,19 +236,19 @@ TEST(Ledger, DoesNotTouchTheMotion) {
 
 // ---- planted faults
 
-/// A sound damper whose heat is off by a factor.
+/// A valid damper whose heat is off by a factor.
 template <int percent>
 class FalseHeat : public BoundForce<double> {
  public:
-  explicit FalseHeat(std::unique_ptr<BoundForce<double>> sound) : sound_(std::move(sound)) {}
-  std::vector<Pass<double>> passes() override { return sound_->passes(); }
+  explicit FalseHeat(std::unique_ptr<BoundForce<double>> valid) : valid_(std::move(valid)) {}
+  std::vector<Pass<double>> passes() override { return valid_->passes(); }
   bool heat(std::ptrdiff_t rate, Operation<double>& operation) override {
     rate_ = rate;
-    if (!sound_->heat(rate, true_)) return false;
+    if (!valid_->heat(rate, true_)) return false;
     operation = {&run, this};
     return true;
   }
-  void friction(FrictionSink& sink) const override { sound_->friction(sink); }
+  void friction(FrictionSink& sink) const override { valid_->friction(sink); }
 
  private:
   static void run(const void* self, const Stage<double>& stage) {
@@ -257,7 +257,7 @@ class FalseHeat : public BoundForce<double> {
     stage.rates[a.rate_] *= 0.01 * percent;
   }
 
-  std::unique_ptr<BoundForce<double>> sound_;
+  std::unique_ptr<BoundForce<double>> valid_;
   Operation<double> true_;
   std::ptrdiff_t rate_ = kNoRate;
 };
@@ -267,8 +267,8 @@ Registry with_false_heat() {
   Registry registry;
   for (const auto& body : standard().bodies()) registry.add(*body);
   for (const auto& scheme : standard().integrators()) registry.add(*scheme);
-  for (const auto& sound : standard().forces()) {
-    ForceRecord record = *sound;
+  for (const auto& valid : standard().forces()) {
+    ForceRecord record = *valid;
     if (record.name == "viscous_damping") {
       record.bind = +[](const void* description, const Binding<double>& binding) {
         static const ForceRecord damping = viscous_damping_record();
@@ -291,11 +291,11 @@ double balance_with_false_heat() {
 }
 
 TEST(PlantedFaults, AWrongHeatIsSeen) {
-  const double sound = balance_with_false_heat<100>();
-  EXPECT_LT(sound, 1e-8);
-  EXPECT_GT(balance_with_false_heat<-100>(), 1e6 * sound) << "wrong sign";
-  EXPECT_GT(balance_with_false_heat<50>(), 1e6 * sound) << "half";
-  EXPECT_GT(balance_with_false_heat<101>(), 1e4 * sound) << "a percent";
+  const double valid = balance_with_false_heat<100>();
+  EXPECT_LT(valid, 1e-8);
+  EXPECT_GT(balance_with_false_heat<-100>(), 1e6 * valid) << "wrong sign";
+  EXPECT_GT(balance_with_false_heat<50>(), 1e6 * valid) << "half";
+  EXPECT_GT(balance_with_false_heat<101>(), 1e4 * valid) << "a percent";
 }
 
 }  // namespace

@@ -29,9 +29,10 @@ RunResult planar_result() {
   return result;
 }
 
-Fault fault_of(const RunResult& result, const std::string& path, const Place& place = {}) {
+Fault fault_of(const RunResult& result, const std::string& path,
+               const SourceLocation& location = {}) {
   try {
-    (void)observable(result, path, place);
+    (void)observable(result, path, location);
   } catch (const InputError& error) {
     return error.faults().front();
   }
@@ -96,7 +97,7 @@ TEST(Observables, UnknownNamesAreErrorsThatKnowTheNearest) {
 
 TEST(Observables, AnErrorSaysWhereThePathWasWritten) {
   const Fault fault = fault_of(planar_result(), "drivr.work", {.file = "--observable"});
-  EXPECT_EQ(fault.place.file, "--observable");
+  EXPECT_EQ(fault.location.file, "--observable");
   EXPECT_EQ(brief(fault), "drivr.work [observable.unknown] did you mean driver.work");
 }
 

@@ -156,8 +156,8 @@ TEST(Extremes, ACubicIsMeasuredExactly) {
   EXPECT_TRUE(found.is_maximum[0]);
   EXPECT_FALSE(found.is_maximum[1]);
   constexpr double kRounding = 1e-14;
-  EXPECT_NEAR(found.place[0], 0.2, kRounding);
-  EXPECT_NEAR(found.place[1], 0.7, kRounding);
+  EXPECT_NEAR(found.theta[0], 0.2, kRounding);
+  EXPECT_NEAR(found.theta[1], 0.7, kRounding);
   EXPECT_NEAR(found.value[0], y(0.2), kRounding);
   EXPECT_NEAR(found.value[1], y(0.7), kRounding);
   EXPECT_EQ(cubic_extremes(0.0, 1.0, 2.0, 3.0).count, 0) << "a line has none";

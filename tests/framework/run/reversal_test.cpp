@@ -96,24 +96,26 @@ Turned run_turned(const TipScene& scene, const std::vector<Setting>& settings = 
   return turned;
 }
 
-/// Orders of the time of the event and of the place at the end.
+/// Orders of the time of the event and of the position at the end.
 void expect_orders(std::string (*integrator)(double), Window window) {
   const std::vector<double> steps = {0.16, 0.08, 0.04, 0.02};
   std::vector<double> time_errors;
-  std::vector<double> place_errors;
+  std::vector<double> position_errors;
   const double exact = event_time();
   for (const double dt : steps) {
     const Turned turned = run_turned(tip(integrator(dt)));
     ASSERT_EQ(turned.result.status, RunStatus::finished);
     EXPECT_EQ(turned.result.group("events")["driver_reversals"], 1u);
     time_errors.push_back(std::abs(turned.time - exact));
-    place_errors.push_back(std::abs(turned.x - end_of(exact).x));
-    // The control: were the event put at the end of its step, the place would be off by far more.
+    position_errors.push_back(std::abs(turned.x - end_of(exact).x));
+    // The control: were the event put at the end of its step, the position would be off by far
+    // more.
     const double late = std::ceil(exact / dt) * dt;
-    EXPECT_GT(std::abs(end_of(late).x - end_of(exact).x), 20.0 * place_errors.back()) << dt;
+    EXPECT_GT(std::abs(end_of(late).x - end_of(exact).x), 20.0 * position_errors.back()) << dt;
   }
   EXPECT_TRUE(window.holds(fitted_order(steps, time_errors))) << fitted_order(steps, time_errors);
-  EXPECT_TRUE(window.holds(fitted_order(steps, place_errors))) << fitted_order(steps, place_errors);
+  EXPECT_TRUE(window.holds(fitted_order(steps, position_errors)))
+      << fitted_order(steps, position_errors);
 }
 
 TEST(DriverReversal, IsFoundToTheOrderOfTheScheme) {
@@ -146,12 +148,12 @@ TEST(DriverReversal, WithoutInertiaToo) {
   const double tau = kDamping / kStiffness;
   double low = 0.0;
   double high = kDuration;
-  const auto place = [&](double t) {
+  const auto position = [&](double t) {
     return 0.1 + kVelocity * (t - tau * (1.0 - std::exp(-t / tau)));
   };
   for (int k = 0; k < 80; ++k) {
     const double middle = 0.5 * (low + high);
-    (place(middle) <= kValue ? low : high) = middle;
+    (position(middle) <= kValue ? low : high) = middle;
   }
   const double end = 0.1 + kVelocity * low;
   const double s = kDuration - low;
@@ -175,12 +177,12 @@ TEST(DriverReversal, StepsReturnToTheGrid) {
 TEST(DriverReversal, ThePulledEndGoesBackTheWayItCame) {
   const Turned turned = run_turned(tip(fixed_step(0.01), "[output]\nevery = 0.037\n"));
   const std::size_t time = turned.kept.column("time");
-  const std::size_t place = turned.kept.column("driver.position.x");
+  const std::size_t position = turned.kept.column("driver.position.x");
   ASSERT_GT(static_cast<double>(turned.kept.rows.size()), kDuration / 0.037);
   for (const auto& row : turned.kept.rows) {
     const double t = row[time];
     const double way = t <= turned.time ? t : 2.0 * turned.time - t;
-    ASSERT_NEAR(row[place], 0.1 + kVelocity * way, 1e-14) << t;
+    ASSERT_NEAR(row[position], 0.1 + kVelocity * way, 1e-14) << t;
   }
 }
 

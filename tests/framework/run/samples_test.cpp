@@ -84,7 +84,7 @@ TEST(SamplesOfEachStep, LeaveEventsAsTheyAre) {
 
 /// The force is that of the support and of the centre in the same row, at the time of the grid.
 TEST(SamplesOfEachStep, AreOfOneMoment) {
-  constexpr double kRounding = 4e-15;  // of forces of about 1 from places of about 2
+  constexpr double kRounding = 4e-15;  // of forces of about 1 from positions of about 2
   const TipScene tip = tip_sampled_every(kStep, "rk4");
   const KeptSamples kept = sampled(tip, 1'000'000);
   const std::size_t force = kept.column("driver.force.x");

@@ -26,7 +26,7 @@ class Rows : public RunSink {
     }
     throw std::out_of_range(name);
   }
-  double place(std::size_t frame, std::size_t particle, std::size_t axis) const {
+  double position(std::size_t frame, std::size_t particle, std::size_t axis) const {
     const auto axes = static_cast<std::size_t>(layout.dimension);
     return rows.at(frame).at(layout.columns.size() + particle * axes + axis);
   }
@@ -73,7 +73,7 @@ TEST(Trajectory, MeansOfParticlesAreTheCentresOfTheTable) {
     for (std::size_t f = 0; f < rows.rows.size(); ++f) {
       for (std::size_t d = 0; d < 2; ++d) {
         double mean = 0.0;
-        for (std::size_t i = 0; i < 8; ++i) mean += rows.place(f, i, d) / 8.0;
+        for (std::size_t i = 0; i < 8; ++i) mean += rows.position(f, i, d) / 8.0;
         EXPECT_NEAR(mean, rows.rows[f][x + d], kRounding) << f;
       }
       way = std::max(way, rows.rows[f][x]);
@@ -95,11 +95,11 @@ TEST(Trajectory, ARigidRingIsACircle) {
       const double angle = rows.rows[f][rotation];
       turned = std::max(turned, std::abs(angle));
       for (std::size_t i = 0; i < 8; ++i) {
-        const double dx = rows.place(f, i, 0) - rows.rows[f][x];
-        const double dy = rows.place(f, i, 1) - rows.rows[f][x + 1];
+        const double dx = rows.position(f, i, 0) - rows.rows[f][x];
+        const double dy = rows.position(f, i, 1) - rows.rows[f][x + 1];
         EXPECT_NEAR(std::hypot(dx, dy), 1.0, kRounding);
-        const double x0 = rows.place(0, i, 0) - rows.rows[0][x];
-        const double y0 = rows.place(0, i, 1) - rows.rows[0][x + 1];
+        const double x0 = rows.position(0, i, 0) - rows.rows[0][x];
+        const double y0 = rows.position(0, i, 1) - rows.rows[0][x + 1];
         EXPECT_NEAR(dx, x0 * std::cos(angle) - y0 * std::sin(angle), kRounding);
         EXPECT_NEAR(dy, x0 * std::sin(angle) + y0 * std::cos(angle), kRounding);
       }
@@ -121,11 +121,11 @@ TEST(Trajectory, CellsAreAddedBack) {
     const Rows far = rows_of(ring.text());
     ASSERT_EQ(near.rows.size(), far.rows.size());
     const std::size_t last = near.rows.size() - 1;
-    EXPECT_GT(near.place(last, 0, 0) - near.place(0, 0, 0), 3.0);
+    EXPECT_GT(near.position(last, 0, 0) - near.position(0, 0, 0), 3.0);
     for (std::size_t f = 0; f <= last; ++f) {
       for (std::size_t i = 0; i < 8; ++i) {
-        EXPECT_NEAR(far.place(f, i, 0), kFar + near.place(f, i, 0), kRoundingThere);
-        EXPECT_NEAR(far.place(f, i, 1), near.place(f, i, 1), 1e-9);
+        EXPECT_NEAR(far.position(f, i, 0), kFar + near.position(f, i, 0), kRoundingThere);
+        EXPECT_NEAR(far.position(f, i, 1), near.position(f, i, 1), 1e-9);
       }
     }
   }
@@ -144,7 +144,7 @@ TEST(Trajectory, ATipIsItsOwnCentre) {
       EXPECT_GT(rows.rows.size(), 50u);
       const std::size_t x = rows.column("tip.centre_of_mass.x");
       for (std::size_t f = 0; f < rows.rows.size(); ++f) {
-        EXPECT_EQ(rows.place(f, 0, 0), rows.rows[f][x]);
+        EXPECT_EQ(rows.position(f, 0, 0), rows.rows[f][x]);
       }
     }
   }

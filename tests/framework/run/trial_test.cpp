@@ -50,13 +50,13 @@ TEST(TryOut, ALongRunIsLeftEarly) {
 }
 
 TEST(TryOut, AStepThatIsTooLongIsNotTaken) {
-  const Trial sound = try_out(scene_of(TipScene{}.text()), 0.0);
-  EXPECT_TRUE(sound.step_is_stable);
-  const std::string text = TipScene{.integrator = fixed_step(1.01 * sound.stable_step)}.text();
+  const Trial valid = try_out(scene_of(TipScene{}.text()), 0.0);
+  EXPECT_TRUE(valid.step_is_stable);
+  const std::string text = TipScene{.integrator = fixed_step(1.01 * valid.stable_step)}.text();
   for (const char* insists : {"false", "true"}) {
     const Trial trial = try_out(scene_of(text, {{"run.allow_unstable", insists}}), kLong);
     EXPECT_FALSE(trial.step_is_stable);
-    EXPECT_EQ(trial.stable_step, sound.stable_step);
+    EXPECT_EQ(trial.stable_step, valid.stable_step);
     EXPECT_EQ(trial.steps, 0u);
   }
   EXPECT_TRUE(std::isinf(

@@ -34,9 +34,9 @@ const std::string kEntries =
     "3.4879 1393.6\"\n";
 
 TEST(UnintendedScenes, AtomsWithoutSpeciesBesideAPotentialThatKnowsThem) {
-  const std::vector<std::string> due = {"body.atoms.species [component.no_species]"};
-  EXPECT_EQ(warnings_of(Atoms{.species = ""}.text()), due);
-  EXPECT_EQ(warnings_of(Atoms{.species = "", .numbers = kEntries}.text()), due);
+  const std::vector<std::string> expected = {"body.atoms.species [component.no_species]"};
+  EXPECT_EQ(warnings_of(Atoms{.species = ""}.text()), expected);
+  EXPECT_EQ(warnings_of(Atoms{.species = "", .numbers = kEntries}.text()), expected);
   EXPECT_TRUE(warnings_of(Atoms{}.text()).empty());
   EXPECT_TRUE(warnings_of(Atoms{.numbers = kEntries}.text()).empty());
   const std::string text = run_text(Atoms{.species = ""}.text()).warnings.at(0).text;

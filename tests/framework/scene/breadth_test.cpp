@@ -190,8 +190,8 @@ TEST(Box, IsRead) {
   const auto scene = parsed(kCircle);
   EXPECT_EQ(scene->box.lengths, std::vector<double>{3.0});
   EXPECT_EQ(scene->box.periodic, std::vector<bool>{true});
-  EXPECT_EQ(scene->box.place.line, 14);
-  EXPECT_EQ(scene->box.places.at("lengths").line, 15);
+  EXPECT_EQ(scene->box.location.line, 14);
+  EXPECT_EQ(scene->box.locations.at("lengths").line, 15);
   EXPECT_TRUE(parsed(kRow)->box.lengths.empty());
 }
 
@@ -279,7 +279,7 @@ TEST(Perturb, IsReadWithItsDefaults) {
   EXPECT_EQ(given.bodies, std::vector<std::size_t>{1});
   EXPECT_EQ(given.repeats, 1000);
   EXPECT_EQ(given.observables, std::vector<std::string>{"driver.mean_force.x"});
-  EXPECT_EQ(given.places.at("size").line, 3);
+  EXPECT_EQ(given.locations.at("size").line, 3);
 }
 
 TEST(Perturb, FaultsHaveTheirPlace) {
@@ -416,14 +416,15 @@ duration = 1
 integrator = { type = "euler", dt = 0.1 }
 perturb = { size = -1, bodies = ["d"] }
 )";
-  const std::vector<std::string> due = {"2:12 box.lengths = -1 [scene.out_of_range]",
-                                        "3:13 box.periodic = 2 [scene.wrong_type]",
-                                        "9:1 body.a.hold [body.invalid_coordinates]",
-                                        "10:1 body.b.motion [body.invalid_coordinates]",
-                                        "18:16 force.bonds.bodies = \"c\" [scene.unknown_name]",
-                                        "22:20 run.perturb.size = -1 [scene.out_of_range]",
-                                        "22:34 run.perturb.bodies = \"d\" [scene.unknown_name]"};
-  EXPECT_EQ(briefs_of(scene), due);
+  const std::vector<std::string> expected = {
+      "2:12 box.lengths = -1 [scene.out_of_range]",
+      "3:13 box.periodic = 2 [scene.wrong_type]",
+      "9:1 body.a.hold [body.invalid_coordinates]",
+      "10:1 body.b.motion [body.invalid_coordinates]",
+      "18:16 force.bonds.bodies = \"c\" [scene.unknown_name]",
+      "22:20 run.perturb.size = -1 [scene.out_of_range]",
+      "22:34 run.perturb.bodies = \"d\" [scene.unknown_name]"};
+  EXPECT_EQ(briefs_of(scene), expected);
 }
 
 }  // namespace

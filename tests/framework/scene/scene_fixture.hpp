@@ -10,7 +10,7 @@
 #include "tests/framework/scene/test_components.hpp"
 #include "tests/support/faults.hpp"
 
-/// Sound scenes over the test components, and ways to spoil them.
+/// Valid scenes over the test components, and ways to spoil them.
 namespace tomlin::test {
 
 inline constexpr const char* kRing = R"([scene]
@@ -79,7 +79,7 @@ inline std::shared_ptr<const Scene> parsed(std::string_view text,
   return parse_scene(text, "ring.toml", registry, settings);
 }
 
-/// The error lines; empty when the scene is sound.
+/// The error lines; empty when the scene is valid.
 inline std::string faults_of(std::string_view text, const std::vector<Setting>& settings = {}) {
   try {
     (void)parsed(text, settings);

@@ -54,14 +54,14 @@ TEST(Scene, IsReadWhole) {
 
 TEST(Scene, KnowsWhereThingsStand) {
   const auto scene = parsed(kRing);
-  EXPECT_EQ(scene->bodies[0].place.line, 8);
-  EXPECT_EQ(scene->bodies[0].place_of("radius").line, 12);
-  EXPECT_EQ(scene->bodies[0].place_of("radius").column, 10);
-  EXPECT_EQ(scene->bodies[0].place_of("velocity").line, 8);  // not given: the table
-  EXPECT_EQ(scene->run.integrator.place_of("dt").line, 27);
-  EXPECT_EQ(scene->run.integrator.place_of("dt").column, 37);
-  EXPECT_EQ(scene->run.place.line, 25);
-  EXPECT_EQ(scene->measure.places.at("to").line, 31);
+  EXPECT_EQ(scene->bodies[0].location.line, 8);
+  EXPECT_EQ(scene->bodies[0].location_of("radius").line, 12);
+  EXPECT_EQ(scene->bodies[0].location_of("radius").column, 10);
+  EXPECT_EQ(scene->bodies[0].location_of("velocity").line, 8);  // not given: the table
+  EXPECT_EQ(scene->run.integrator.location_of("dt").line, 27);
+  EXPECT_EQ(scene->run.integrator.location_of("dt").column, 37);
+  EXPECT_EQ(scene->run.location.line, 25);
+  EXPECT_EQ(scene->measure.locations.at("to").line, 31);
 }
 
 TEST(Scene, LineEndsAndByteOrderMarkDoNotMatter) {

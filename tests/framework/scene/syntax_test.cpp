@@ -100,22 +100,22 @@ TEST(Syntax, KeysOfOtherElementsAreNotGivenTwice) {
   EXPECT_EQ(only_fault(rows + "k = 1\nk = 2\n").code, FaultCode::scene_duplicate_key);
 }
 
-/// Whatever is cut out or put in, at whatever place: one fault, within the file, or none.
+/// Whatever is cut out or put in, at whatever position: one fault, within the file, or none.
 TEST(Syntax, AnyByteMayBeMissingOrDoubled) {
-  const std::string sound = kRing;
-  const auto lines = std::count(sound.begin(), sound.end(), '\n');
-  for (std::size_t at = 0; at < sound.size(); ++at) {
-    for (const std::string& byte : {std::string(), std::string(2, sound[at]), std::string("\""),
+  const std::string valid = kRing;
+  const auto lines = std::count(valid.begin(), valid.end(), '\n');
+  for (std::size_t at = 0; at < valid.size(); ++at) {
+    for (const std::string& byte : {std::string(), std::string(2, valid[at]), std::string("\""),
                                     std::string("["), std::string("}"), std::string("=")}) {
-      const std::string spoilt = sound.substr(0, at) + byte + sound.substr(at + 1);
+      const std::string spoilt = valid.substr(0, at) + byte + valid.substr(at + 1);
       try {
         (void)parsed(spoilt);
       } catch (const InputError& error) {
         for (const Fault& fault : error.faults()) {
-          EXPECT_EQ(fault.place.file, "ring.toml");
-          EXPECT_GE(fault.place.line, 1) << to_string(fault);
-          EXPECT_LE(fault.place.line, lines + 2) << to_string(fault);
-          EXPECT_GE(fault.place.column, 1) << to_string(fault);
+          EXPECT_EQ(fault.location.file, "ring.toml");
+          EXPECT_GE(fault.location.line, 1) << to_string(fault);
+          EXPECT_LE(fault.location.line, lines + 2) << to_string(fault);
+          EXPECT_GE(fault.location.column, 1) << to_string(fault);
           EXPECT_NE(fault.why, "");
         }
       }

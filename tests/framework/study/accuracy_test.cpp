@@ -345,8 +345,8 @@ TEST(AccuracyOf, WhatIsInTheStoreIsNotLookedForAgain) {
 /// A scheme that loses the corrugation does so at every setting: its own companions agree with it,
 /// the one of another family does not.
 TEST(AccuracyOf, WhatOneFamilyLosesTheOtherSees) {
-  const auto sound = test::scene_of(kTip);
-  ChosenIntegrator chosen = choose_integrator(sound, test::standard());
+  const auto valid = test::scene_of(kTip);
+  ChosenIntegrator chosen = choose_integrator(valid, test::standard());
   ASSERT_EQ(chosen.companions.size(), kCompanions + 1);
   ASSERT_TRUE(chosen.companions.back().other_family);
   EXPECT_NE(chosen.companions.back().scene->run.integrator.record->needs_tangent,

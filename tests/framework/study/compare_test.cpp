@@ -206,7 +206,7 @@ TEST(Compare, AnUnknownObservableNamesTheScene) {
     FAIL() << "not refused";
   } catch (const InputError& error) {
     ASSERT_EQ(error.faults().size(), 1U);
-    EXPECT_EQ(error.faults()[0].place.file, "ring.toml");
+    EXPECT_EQ(error.faults()[0].location.file, "ring.toml");
     EXPECT_EQ(test::brief(error.faults()[0]),
               "driver.mean_farce.x [observable.unknown] did you mean driver.mean_force.x");
   }

@@ -162,9 +162,8 @@ TEST(Continued, TwoRunsAreOneOfTwiceTheDuration) {
     EXPECT_EQ(second.end.structure, both.end.structure);
     expect_near(second.end.velocity, both.end.velocity, one.tolerance, "velocity");
     for (const ResultGroup& body : both.result.family("bodies")) {
-      const std::string place = "bodies." + body.name + ".centre_of_mass.x";
-      EXPECT_NEAR(*observable(second.result, place), *observable(both.result, place),
-                  one.tolerance);
+      const std::string path = "bodies." + body.name + ".centre_of_mass.x";
+      EXPECT_NEAR(*observable(second.result, path), *observable(both.result, path), one.tolerance);
     }
     if (second.end.origin.cells == both.end.origin.cells) {
       expect_near(second.end.position, both.end.position, one.tolerance, "position");
@@ -173,7 +172,7 @@ TEST(Continued, TwoRunsAreOneOfTwiceTheDuration) {
     ASSERT_EQ(second.end.supports.size(), both.end.supports.size());
     for (std::size_t k = 0; k < both.end.supports.size(); ++k) {
       EXPECT_EQ(second.end.supports[k].name, both.end.supports[k].name);
-      expect_near(second.end.supports[k].place, both.end.supports[k].place, kRoundingOfRuns,
+      expect_near(second.end.supports[k].position, both.end.supports[k].position, kRoundingOfRuns,
                   "support");
     }
     const std::string force = "drivers." + second.result.driver(0).name + ".mean_force.x";
@@ -210,7 +209,7 @@ TEST(Continued, HasTheBitsOfASceneThatStartsThere) {
   }
 }
 
-/// Cells of another length hold the same places.
+/// Cells of another length hold the same positions.
 TEST(Continued, PeriodsMayDiffer) {
   const ContinuedRun first = continued(kContinuedTip, {{"v", "0.5"}});
   ASSERT_NE(first.end.origin.cells[0], 0);
@@ -218,11 +217,11 @@ TEST(Continued, PeriodsMayDiffer) {
       {"v", "0"}, {"force.sinusoidal_substrate.period", "0.7"}, {"run.duration", "1e-3"}};
   const ContinuedRun second = continued(kContinuedTip, other, &first.end);
   const double moved = 1e-3 * 2.0;  // no faster than twice the driver
-  const auto place = [](const FinalState& state) {
-    return static_cast<double>(absolute_place(state.origin, 0, state.position[0]));
+  const auto position = [](const FinalState& state) {
+    return static_cast<double>(absolute_position(state.origin, 0, state.position[0]));
   };
-  EXPECT_NEAR(place(second.end), place(first.end), moved);
-  EXPECT_NEAR(static_cast<double>(second.end.supports[0].place[0]), 0.5 + 8.0, kRoundingOfRuns);
+  EXPECT_NEAR(position(second.end), position(first.end), moved);
+  EXPECT_NEAR(static_cast<double>(second.end.supports[0].position[0]), 0.5 + 8.0, kRoundingOfRuns);
 }
 
 TEST(Continued, NoiseIsAddedToWhereItStarts) {
@@ -387,8 +386,8 @@ TEST(ContinuedSweep, ShowsHysteresis) {
   const std::vector<double> x = rows.numbers();
   constexpr double kTwoPi = 6.283185307179586;
   constexpr double kAtRest = 1e-8;  // the slowest decay is exp(-200 k / 4 ...) and the tolerance
-  const auto force_at = [](double place) {
-    return 0.4 * place + 0.1 * kTwoPi * std::sin(kTwoPi * place);
+  const auto force_at = [](double position) {
+    return 0.4 * position + 0.1 * kTwoPi * std::sin(kTwoPi * position);
   };
   for (std::size_t k = 0; k < x.size(); ++k) {
     EXPECT_NEAR(force_at(x[k]), forces[k], kAtRest) << k;
@@ -497,7 +496,7 @@ TEST(ContinuedSweep, TheEndOfALineIsKept) {
     return other.position == first.end.position && other.velocity == first.end.velocity &&
            other.own == first.end.own && other.supports.size() == first.end.supports.size() &&
            other.supports[0].name == "driver" &&
-           other.supports[0].place == first.end.supports[0].place;
+           other.supports[0].position == first.end.supports[0].position;
   };
   EXPECT_TRUE(same(*found.before()));
   // It is of no use to a point before it, to another line and to another sweep.

@@ -53,7 +53,7 @@ double carbon_period() {
 }
 
 /// How far off the origin an atom let go at 1 A is after a quarter of that period.
-double place_after_a_quarter(double mass) {
+double position_after_a_quarter(double mass) {
   const double quarter = 0.25 * carbon_period();
   const RunResult result = run_text(
       carbon("position = [1.0]",
@@ -67,9 +67,9 @@ double place_after_a_quarter(double mass) {
 TEST(Metal, OscillatorHasItsPeriod) {
   constexpr double kRounding = 1e-12;
   EXPECT_NEAR(carbon_period(), 0.2217, 1e-4);
-  EXPECT_NEAR(place_after_a_quarter(kCarbon), 0.0, kRounding);
+  EXPECT_NEAR(position_after_a_quarter(kCarbon), 0.0, kRounding);
   // A dalton that is off by 1e-9, sixty times less than the rounded one of LAMMPS: seen.
-  EXPECT_GT(std::abs(place_after_a_quarter(kCarbon * (1.0 + 1e-9))), 100.0 * kRounding);
+  EXPECT_GT(std::abs(position_after_a_quarter(kCarbon * (1.0 + 1e-9))), 100.0 * kRounding);
 }
 
 TEST(Metal, DampingHasItsRate) {
@@ -225,14 +225,14 @@ to = 600.0
   const RunResult engine = run_text(chain("reduced", kAtomicMassInMetal, kBoltzmannInMetal));
   ASSERT_EQ(metal.status, RunStatus::finished);
   const std::vector<Observable> found = observables(metal);
-  const std::vector<Observable> due = observables(engine);
-  ASSERT_EQ(found.size(), due.size());
+  const std::vector<Observable> expected = observables(engine);
+  ASSERT_EQ(found.size(), expected.size());
   for (std::size_t k = 0; k < found.size(); ++k) {
     if (found[k].path.starts_with("performance")) continue;
-    ASSERT_EQ(found[k].value.has_value(), due[k].value.has_value()) << found[k].path;
+    ASSERT_EQ(found[k].value.has_value(), expected[k].value.has_value()) << found[k].path;
     if (!found[k].value) continue;
     const double unit = scene_unit(UnitSystem::metal, found[k].quantity->dimension);
-    EXPECT_EQ(*found[k].value, *due[k].value / unit) << found[k].path;
+    EXPECT_EQ(*found[k].value, *expected[k].value / unit) << found[k].path;
   }
   ASSERT_EQ(metal.errors.size(), engine.errors.size());
   bool temperature = false;
@@ -270,7 +270,7 @@ struct StreamMean {
 void expect_stream_mean(const StreamMean& found, double exact, const std::string& what) {
   EXPECT_TRUE(found.agrees(exact))
       << what << ": " << found.mean() << " +- " << found.error() << ", not " << exact;
-  // A constant that is off by a twentieth, in one place, is seen.
+  // A constant that is off by a twentieth, once, is seen.
   EXPECT_FALSE(found.agrees(exact * 1.05)) << what;
   EXPECT_FALSE(found.agrees(exact / 1.05)) << what;
 }
@@ -291,7 +291,7 @@ std::string bath_of_atom(const std::string& force, std::uint64_t stream) {
 /// (B. Leimkuhler and C. Matthews, J. Chem. Phys. 138 (2013) 174102, doi:10.1063/1.4802990).
 TEST(Metal, BathOf300Kelvin) {
   StreamMean temperature;
-  StreamMean places;
+  StreamMean positions;
   StreamMean speeds;
   for (std::uint64_t stream = 0; stream < 16; ++stream) {
     KeptSamples samples;
@@ -310,7 +310,7 @@ TEST(Metal, BathOf300Kelvin) {
       for (const auto& row : samples.rows) sum += row[at] * row[at];
       return sum / static_cast<double>(samples.rows.size());
     };
-    places.values.push_back(mean_square("atom.centre_of_mass.x"));
+    positions.values.push_back(mean_square("atom.centre_of_mass.x"));
     speeds.values.push_back(mean_square("atom.velocity.x"));
   }
   const double energy = kPerKelvin * kBath;  // eV; the well has 1 eV/A^2
@@ -318,7 +318,7 @@ TEST(Metal, BathOf300Kelvin) {
   const double phase = kTau * kStep / carbon_period();
   EXPECT_NEAR(energy, 0.02585, 1e-5);
   expect_stream_mean(temperature, kBath, "temperature, K");
-  expect_stream_mean(places, energy, "mean square of places, A^2");
+  expect_stream_mean(positions, energy, "mean square of positions, A^2");
   expect_stream_mean(speeds, energy / mass * (1.0 - 0.25 * phase * phase),
                      "mean square of velocities, A^2/ps^2");
 }

@@ -41,7 +41,7 @@ particle_mass = 1.0
 duration = 1.0
 integrator = { type = "rk4", dt = 0.5 }
 )";
-constexpr const char* kPlaceOfIt = "tip.centre_of_mass.x";
+constexpr const char* kPositionOfIt = "tip.centre_of_mass.x";
 
 /// A tip in the limit of slow driving: it slips as long as k < 4 pi^2 V0/a^2.
 constexpr const char* kSlowTip = R"(
@@ -177,26 +177,26 @@ std::vector<std::string> found_of(const std::string& formula, const RefinedAxes&
 
 using Found = std::vector<std::string>;
 
-const std::string kPlaceAt3 = std::string(kPlaceOfIt) + "=3";
+const std::string kPositionAt3 = std::string(kPositionOfIt) + "=3";
 
 TEST(RefinedSweep, BracketsALevel) {
-  EXPECT_EQ(found_of("p", {{{"p", "0:8:3"}}, kPlaceAt3, "", "0.25"}),
+  EXPECT_EQ(found_of("p", {{{"p", "0:8:3"}}, kPositionAt3, "", "0.25"}),
             Found{"found 2.75 .. 3: 2.75 3"});
   // Falling axes and falling observables.
-  EXPECT_EQ(found_of("p", {{{"p", "8:0:3"}}, kPlaceAt3, "", "0.25"}),
+  EXPECT_EQ(found_of("p", {{{"p", "8:0:3"}}, kPositionAt3, "", "0.25"}),
             Found{"found 3 .. 2.75: 3 2.75"});
-  EXPECT_EQ(found_of("6 - p", {{{"p", "0:8:3"}}, kPlaceAt3, "", "0.25"}),
+  EXPECT_EQ(found_of("6 - p", {{{"p", "0:8:3"}}, kPositionAt3, "", "0.25"}),
             Found{"found 3 .. 3.25: 3 2.75"});
   // Each pair of neighbours on either side, and lines where there is none.
-  EXPECT_EQ(found_of("(p - 4)^2 + q", {{{"q", "0,5"}, {"p", "0:8:3"}}, kPlaceAt3, "", "0.5"}),
+  EXPECT_EQ(found_of("(p - 4)^2 + q", {{{"q", "0,5"}, {"p", "0:8:3"}}, kPositionAt3, "", "0.5"}),
             (Found{"found 2 .. 2.5: 4 2.25", "found 5.5 .. 6: 2.25 4", "none"}));
   // In the logarithm, and a list has its middles where it is.
-  EXPECT_EQ(found_of("p", {{{"p", "1:1e4:3:log"}}, std::string(kPlaceOfIt) + "=7", "", "1.2"}),
+  EXPECT_EQ(found_of("p", {{{"p", "1:1e4:3:log"}}, std::string(kPositionOfIt) + "=7", "", "1.2"}),
             Found{"found 3.162 .. 10: 3.162 10"});
-  EXPECT_EQ(found_of("p", {{{"p", "1,2,4"}}, kPlaceAt3, "", "0.5"}),
+  EXPECT_EQ(found_of("p", {{{"p", "1,2,4"}}, kPositionAt3, "", "0.5"}),
             Found{"found 2.5 .. 3: 2.5 3"});
   // An interval that is narrow already is found without a point.
-  EXPECT_EQ(found_of("p", {{{"p", "0:8:3"}}, kPlaceAt3, "", "4"}), Found{"found 0 .. 4: 0 4"});
+  EXPECT_EQ(found_of("p", {{{"p", "0:8:3"}}, kPositionAt3, "", "4"}), Found{"found 0 .. 4: 0 4"});
 }
 
 /// The width is 1e-4 of the axis unless it is given, and of its logarithm.
@@ -204,7 +204,8 @@ TEST(RefinedSweep, IsAsNarrowAsItIsToBe) {
   for (const bool logarithmic : {false, true}) {
     const TemporaryFolder folder;
     const std::string values = logarithmic ? "0.5:50:3:log" : "0.5:50:3";
-    RefinedSweep sweep(refined_plan(kPlacedParticle, {{{"p", values}}, kPlaceAt3}), folder.path());
+    RefinedSweep sweep(refined_plan(kPlacedParticle, {{{"p", values}}, kPositionAt3}),
+                       folder.path());
     sweep.run();
     const auto& [low, high] = sweep.bisections().at(0).ends;
     EXPECT_LT(low.at, 3.0);
@@ -218,29 +219,29 @@ TEST(RefinedSweep, IsAsNarrowAsItIsToBe) {
 
 TEST(RefinedSweep, FollowsAJumpAndKnowsASmoothCurve) {
   EXPECT_EQ(
-      found_of("floor(p / 3 + q)", {{{"q", "0,0.5"}, {"p", "0:4:3"}}, kPlaceOfIt, "", "1e-3"}),
+      found_of("floor(p / 3 + q)", {{{"q", "0,0.5"}, {"p", "0:4:3"}}, kPositionOfIt, "", "1e-3"}),
       (Found{"found 2.999 .. 3: 0 1", "found 1.499 .. 1.5: 0 1"}));
   // A jump on top of a slope, and slopes of any steepness, with a corner and of a root.
-  EXPECT_EQ(found_of("floor(p / 3) + 0.2 * p", {{{"p", "0:4:3"}}, kPlaceOfIt, "", "1e-3"}),
+  EXPECT_EQ(found_of("floor(p / 3) + 0.2 * p", {{{"p", "0:4:3"}}, kPositionOfIt, "", "1e-3"}),
             Found{"found 2.999 .. 3: 0.5998 1.6"});
   for (const std::string smooth : {"p", "1e6 * p^3", "max(p, 3)", "sqrt(p)"}) {
-    const Found found = found_of(smooth, {{{"p", "0:4:3"}}, kPlaceOfIt, "", "1e-3"});
+    const Found found = found_of(smooth, {{{"p", "0:4:3"}}, kPositionOfIt, "", "1e-3"});
     ASSERT_EQ(found.size(), 1) << smooth;
     EXPECT_TRUE(found[0].starts_with("smooth")) << smooth << ": " << found[0];
   }
   // One halving of a wide interval would call a slope a jump.
-  EXPECT_TRUE(found_of("p", {{{"p", "0:4:3"}}, kPlaceOfIt, "", "1.9"})[0].starts_with("smooth"));
-  EXPECT_EQ(found_of("0 * p", {{{"p", "0:4:3"}}, kPlaceOfIt}), Found{"none"});
+  EXPECT_TRUE(found_of("p", {{{"p", "0:4:3"}}, kPositionOfIt, "", "1.9"})[0].starts_with("smooth"));
+  EXPECT_EQ(found_of("0 * p", {{{"p", "0:4:3"}}, kPositionOfIt}), Found{"none"});
 }
 
 /// Points without a number end a bisection, and are on no side of a level.
 TEST(RefinedSweep, PointsWithoutANumber) {
   // Refused between 2 and 4 but at the ends, that is sqrt of less than 0.
   const std::string hole = "p + 0 * sqrt((p - 2.1) * (p - 3.9))";
-  EXPECT_EQ(found_of(hole, {{{"p", "0:8:5"}}, kPlaceAt3}), Found{"failed 2 .. 4: 2 4"});
+  EXPECT_EQ(found_of(hole, {{{"p", "0:8:5"}}, kPositionAt3}), Found{"failed 2 .. 4: 2 4"});
   // Numbers on both sides of a point without one.
-  EXPECT_EQ(found_of(hole, {{{"p", "1:5:3"}}, kPlaceAt3}), Found{"failed 1 .. 5: 1 5"});
-  EXPECT_EQ(found_of(hole + " + 10 * floor(p / 4)", {{{"p", "0:8:5"}}, kPlaceOfIt}),
+  EXPECT_EQ(found_of(hole, {{{"p", "1:5:3"}}, kPositionAt3}), Found{"failed 1 .. 5: 1 5"});
+  EXPECT_EQ(found_of(hole + " + 10 * floor(p / 4)", {{{"p", "0:8:5"}}, kPositionOfIt}),
             Found{"failed 2 .. 4: 2 14"});
 }
 
@@ -248,17 +249,17 @@ TEST(RefinedSweep, PointsWithoutANumber) {
 /// and its neighbour.
 TEST(RefinedSweep, GoesOnNextToAFailedEnd) {
   const std::string above = "p + 0 * sqrt(p - 1.5)";
-  EXPECT_EQ(found_of(above, {{{"p", "1:9:3"}}, kPlaceAt3, "", "0.5"}),
+  EXPECT_EQ(found_of(above, {{{"p", "1:9:3"}}, kPositionAt3, "", "0.5"}),
             Found{"found 2.5 .. 3: 2.5 3"});
   const std::string below = "p + 0 * sqrt(8.5 - p)";
-  EXPECT_EQ(found_of(below, {{{"p", "1:9:3"}}, std::string(kPlaceOfIt) + "=7", "", "0.5"}),
+  EXPECT_EQ(found_of(below, {{{"p", "1:9:3"}}, std::string(kPositionOfIt) + "=7", "", "0.5"}),
             Found{"found 6.5 .. 7: 6.5 7"});
   // Whatever is beyond the last point that has a number is not known.
   const std::string at_one = "p + 0 * sqrt(p - 1.2)";
-  EXPECT_EQ(found_of(at_one, {{{"p", "1:9:3"}}, std::string(kPlaceOfIt) + "=1", "", "0.5"}),
+  EXPECT_EQ(found_of(at_one, {{{"p", "1:9:3"}}, std::string(kPositionOfIt) + "=1", "", "0.5"}),
             Found{"failed 1 .. 1.5: nan 1.5"});
   // Known neighbours on either side are what is bisected.
-  EXPECT_EQ(found_of(at_one, {{{"p", "1:9:3"}}, std::string(kPlaceOfIt) + "=6", "", "0.5"}),
+  EXPECT_EQ(found_of(at_one, {{{"p", "1:9:3"}}, std::string(kPositionOfIt) + "=6", "", "0.5"}),
             Found{"found 5.5 .. 6: 5.5 6"});
 }
 
@@ -284,8 +285,10 @@ TEST(RefinedSweep, FindsWhereSlidingBecomesSmooth) {
 /// Rows are in the order of the axes, have the bits of runs, and are the same from any number of
 /// threads and when the process is killed after any row; none is run again.
 TEST(RefinedSweep, KilledAfterAnyRowItIsTheSame) {
-  const RefinedAxes axes = {
-      {{"q", "0,2"}, {"p", "0:8:3"}, {"run.integrator.dt", "0.5,-1,0.25"}}, kPlaceAt3, "p", "0.5"};
+  const RefinedAxes axes = {{{"q", "0,2"}, {"p", "0:8:3"}, {"run.integrator.dt", "0.5,-1,0.25"}},
+                            kPositionAt3,
+                            "p",
+                            "0.5"};
   const std::vector<Setting> settings = {{"f", "p + q"}};
   const TemporaryFolder folder;
   RefinedSweep whole(refined_plan(kPlacedParticle, axes, settings), folder.path());
@@ -297,14 +300,14 @@ TEST(RefinedSweep, KilledAfterAnyRowItIsTheSame) {
 
   const RowOrder order(whole.plan());
   ASSERT_EQ(order.size(), all);
-  std::vector<std::vector<double>> places;
+  std::vector<std::vector<double>> numbers;
   for (std::size_t row = 0; row < all; ++row) {
     const std::size_t point = order.point(row);
-    places.push_back({});
+    numbers.push_back({});
     for (const std::size_t axis : {0, 1}) {
-      places.back().push_back(whole.plan().number(axis, point));
+      numbers.back().push_back(whole.plan().number(axis, point));
     }
-    places.back().push_back(static_cast<double>(whole.plan().index(2, point)));
+    numbers.back().push_back(static_cast<double>(whole.plan().index(2, point)));
     SweepRow kept;
     whole.journal().read(point, {&kept, 1});
     std::vector<Setting> of_run = settings;
@@ -313,12 +316,12 @@ TEST(RefinedSweep, KilledAfterAnyRowItIsTheSame) {
       const RunResult result =
           run(SceneDocument(kPlacedParticle, "test.toml").read(standard(), of_run));
       EXPECT_EQ(std::bit_cast<std::uint64_t>(kept.numbers[0]),
-                std::bit_cast<std::uint64_t>(*observable(result, kPlaceOfIt)));
+                std::bit_cast<std::uint64_t>(*observable(result, kPositionOfIt)));
     } catch (const InputError&) {
       EXPECT_EQ(kept.status, SweepStatus::refused);
     }
   }
-  EXPECT_TRUE(std::is_sorted(places.begin(), places.end()));
+  EXPECT_TRUE(std::is_sorted(numbers.begin(), numbers.end()));
 
   for (const std::size_t threads : {1, 2, 3}) {
     for (std::size_t most = 0; most <= all; most += threads) {
@@ -342,20 +345,20 @@ TEST(RefinedSweep, KilledAfterAnyRowItIsTheSame) {
 /// Along an axis that falls, too.
 TEST(RefinedSweep, RowsFallAsTheirAxisDoes) {
   const TemporaryFolder folder;
-  RefinedSweep sweep(refined_plan(kPlacedParticle, {{{"p", "8:0:3"}}, kPlaceAt3, "", "0.5"}),
+  RefinedSweep sweep(refined_plan(kPlacedParticle, {{{"p", "8:0:3"}}, kPositionAt3, "", "0.5"}),
                      folder.path());
   sweep.run();
   const RowOrder order(sweep.plan());
-  std::vector<double> places;
+  std::vector<double> numbers;
   for (std::size_t row = 0; row < order.size(); ++row) {
-    places.push_back(sweep.plan().number(0, order.point(row)));
+    numbers.push_back(sweep.plan().number(0, order.point(row)));
   }
-  EXPECT_EQ(places, (std::vector<double>{8.0, 4.0, 3.0, 2.5, 2.0, 0.0}));
+  EXPECT_EQ(numbers, (std::vector<double>{8.0, 4.0, 3.0, 2.5, 2.0, 0.0}));
 }
 
 /// A record that is damaged is run again, and what depends on it is found again.
 TEST(RefinedSweep, ADamagedRecordIsRunAgain) {
-  const RefinedAxes axes = {{{"p", "0:8:3"}}, kPlaceAt3, "", "0.25"};
+  const RefinedAxes axes = {{{"p", "0:8:3"}}, kPositionAt3, "", "0.25"};
   const TemporaryFolder folder;
   std::string results;
   {
@@ -373,8 +376,8 @@ TEST(RefinedSweep, ADamagedRecordIsRunAgain) {
 
 TEST(RefinedSweep, TheSceneWithItsTableIsTheSame) {
   for (const RefinedAxes& axes :
-       {RefinedAxes{{{"q", "1,2"}, {"p", "0:8:3"}}, kPlaceAt3, "q", "0.1"},
-        RefinedAxes{{{"q", "1,2"}, {"p", "1:8:3:log"}}, kPlaceOfIt}}) {
+       {RefinedAxes{{{"q", "1,2"}, {"p", "0:8:3"}}, kPositionAt3, "q", "0.1"},
+        RefinedAxes{{{"q", "1,2"}, {"p", "1:8:3:log"}}, kPositionOfIt}}) {
     const SweepPlan plan = refined_plan(kPlacedParticle, axes);
     SceneDocument document(plan.scene_text(), "scene.toml");
     std::vector<Fault> faults;
@@ -385,7 +388,7 @@ TEST(RefinedSweep, TheSceneWithItsTableIsTheSame) {
     EXPECT_EQ(again.identity(), plan.identity());
     // Another level, width or axis is another sweep.
     for (const RefinedAxes& other :
-         {RefinedAxes{axes.over, std::string(kPlaceOfIt) + "=3.5", axes.along, axes.to},
+         {RefinedAxes{axes.over, std::string(kPositionOfIt) + "=3.5", axes.along, axes.to},
           RefinedAxes{axes.over, axes.refine, axes.along, "0.2"},
           RefinedAxes{axes.over, axes.refine, axes.along == "q" ? "p" : "q", axes.to}}) {
       EXPECT_NE(refined_plan(kPlacedParticle, other).identity(), plan.identity());
@@ -404,7 +407,7 @@ Found refined_faults(const RefinedAxes& axes) {
 
 TEST(RefinedSweep, AllFaultsTogether) {
   const std::vector<std::pair<std::string, std::string>> p = {{"p", "0:8:3"}};
-  EXPECT_EQ(refined_faults({p, kPlaceAt3}), Found{});
+  EXPECT_EQ(refined_faults({p, kPositionAt3}), Found{});
   EXPECT_EQ(refined_faults({p, "tip.centre_of_mas.x=1"}),
             Found{"tip.centre_of_mas.x [observable.unknown] did you mean "
                   "tip.centre_of_mass.x"});
@@ -412,21 +415,23 @@ TEST(RefinedSweep, AllFaultsTogether) {
             (Found{"tip.centre_of_mass.x=x [command.invalid_value]", "-1 [command.invalid_value]",
                    "pp [scene.unknown_name]", "qq = 1 [scene.unknown_key]"}));
   EXPECT_EQ(refined_faults({p, "=3"}), Found{"=3 [command.missing_argument]"});
-  EXPECT_EQ(refined_faults({p, kPlaceAt3 + "e999"}).size(), 1);
+  EXPECT_EQ(refined_faults({p, kPositionAt3 + "e999"}).size(), 1);
   for (const std::string width : {"0", "-1", "1e-20", "nan", "x", "inf"}) {
-    EXPECT_EQ(refined_faults({p, kPlaceAt3, "", width}), Found{width + " [command.invalid_value]"});
+    EXPECT_EQ(refined_faults({p, kPositionAt3, "", width}),
+              Found{width + " [command.invalid_value]"});
   }
   // Only an axis of numbers in their order has values between its values.
   for (const std::string values : {"1", "1,3,2", "1,1", "1,2,2", "a,b", "-1e308,1e308"}) {
-    EXPECT_EQ(refined_faults({{{"p", values}}, kPlaceAt3}).at(0), kPlaceAt3 + " [scene.conflict]")
+    EXPECT_EQ(refined_faults({{{"p", values}}, kPositionAt3}).at(0),
+              kPositionAt3 + " [scene.conflict]")
         << values;
   }
-  EXPECT_EQ(refined_faults({{{"p", "1,2"}, {"q", "1,2"}}, kPlaceAt3, "", "", {{"p", "q"}}}),
-            Found{kPlaceAt3 + " [scene.conflict]"});
-  EXPECT_EQ(refined_faults({p, kPlaceAt3, "", "", {}, true}),
-            Found{kPlaceAt3 + " [command.conflict]"});
-  EXPECT_EQ(refined_faults({{{"q", "0:1:3000"}, {"p", "0:1:3000"}}, kPlaceAt3, "", "1e-12"}),
-            Found{kPlaceAt3 + " [scene.too_large]"});
+  EXPECT_EQ(refined_faults({{{"p", "1,2"}, {"q", "1,2"}}, kPositionAt3, "", "", {{"p", "q"}}}),
+            Found{kPositionAt3 + " [scene.conflict]"});
+  EXPECT_EQ(refined_faults({p, kPositionAt3, "", "", {}, true}),
+            Found{kPositionAt3 + " [command.conflict]"});
+  EXPECT_EQ(refined_faults({{{"q", "0:1:3000"}, {"p", "0:1:3000"}}, kPositionAt3, "", "1e-12"}),
+            Found{kPositionAt3 + " [scene.too_large]"});
 }
 
 }  // namespace

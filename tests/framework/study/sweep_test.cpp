@@ -83,7 +83,7 @@ SweepSettings sweep_over(const SweptAxes& axes, std::vector<std::string> observa
   }
   for (const auto& zip : axes.zips) settings.zips.push_back({zip, {"--zip"}});
   settings.observables = std::move(observables);
-  settings.observables_place = {"--observable"};
+  settings.observables_location = {"--observable"};
   return settings;
 }
 
@@ -416,21 +416,21 @@ TEST(Sweep, BatchesOfAllKindsGiveTheRowsOfSingleRuns) {
   const SweepPlan plan = plan_over(text, {{{"force.driver.stiffness", "1,2,3"},
                                            {"h", "2e-3,-1,1e-3"},
                                            {"body.ring.count", "5,8,6,8,11"}}});
-  std::map<std::size_t, SweepRow> due;
+  std::map<std::size_t, SweepRow> expected;
   std::set<SweepStatus> statuses;
   for (std::size_t k = 0; k < plan.points(); ++k) {
-    due[k] = *run_point(plan, k);
-    statuses.insert(due[k].status);
+    expected[k] = *run_point(plan, k);
+    statuses.insert(expected[k].status);
   }
   EXPECT_EQ(statuses.size(), 2);
   for (const std::size_t threads : {1, 2, 3}) {
     RowsInMemory rows;
     ASSERT_TRUE(run_sweep(plan, rows, {.threads = threads}).complete());
     for (std::size_t k = 0; k < plan.points(); ++k) {
-      EXPECT_EQ(rows.rows[k].status, due[k].status) << k;
-      EXPECT_EQ(bits_of(rows.rows[k].numbers), bits_of(due[k].numbers)) << k;
-      EXPECT_EQ(rows.rows[k].reason, due[k].reason) << k;
-      EXPECT_EQ(rows.rows[k].warnings, due[k].warnings) << k;
+      EXPECT_EQ(rows.rows[k].status, expected[k].status) << k;
+      EXPECT_EQ(bits_of(rows.rows[k].numbers), bits_of(expected[k].numbers)) << k;
+      EXPECT_EQ(rows.rows[k].reason, expected[k].reason) << k;
+      EXPECT_EQ(rows.rows[k].warnings, expected[k].warnings) << k;
     }
   }
 }
@@ -453,10 +453,10 @@ TEST(Sweep, SpringsOfOtherPointsShareNoLanes) {
   ASSERT_TRUE(run_sweep(plan, rows, {}).complete());
   std::set<std::uint64_t> different;
   for (std::size_t k = 0; k < plan.points(); ++k) {
-    const SweepRow due = *run_point(plan, k);
-    ASSERT_EQ(due.status, SweepStatus::finished) << due.reason;
-    EXPECT_EQ(bits_of(rows.rows[k].numbers), bits_of(due.numbers)) << k;
-    different.insert(std::bit_cast<std::uint64_t>(due.numbers[0]));
+    const SweepRow expected = *run_point(plan, k);
+    ASSERT_EQ(expected.status, SweepStatus::finished) << expected.reason;
+    EXPECT_EQ(bits_of(rows.rows[k].numbers), bits_of(expected.numbers)) << k;
+    different.insert(std::bit_cast<std::uint64_t>(expected.numbers[0]));
   }
   EXPECT_EQ(different.size(), plan.points());
 }
@@ -485,8 +485,8 @@ TEST(Sweep, LanesResumeFromTheirCheckpoints) {
   for (const auto& [text, integrator, duration] : cases) {
     const SweepPlan plan = plan_over(text, {{{"v", "1e-2:5e-2:12"}}}, {"driver.mean_force.x"},
                                      {{"run.integrator", integrator}, {"run.duration", duration}});
-    RowsInMemory due;
-    ASSERT_TRUE(run_sweep(plan, due, {}).complete());
+    RowsInMemory expected;
+    ASSERT_TRUE(run_sweep(plan, expected, {}).complete());
     const TemporaryFolder folder;
     std::map<std::size_t, SweepRow> rows;
     int stops = 0;
@@ -504,7 +504,7 @@ TEST(Sweep, LanesResumeFromTheirCheckpoints) {
       if (!complete) ++stops;
     }
     EXPECT_GT(stops, 0) << integrator;
-    for (const auto& [point, row] : due.rows) {
+    for (const auto& [point, row] : expected.rows) {
       EXPECT_EQ(bits_of(rows[point].numbers), bits_of(row.numbers)) << integrator << ", " << point;
     }
   }
@@ -527,7 +527,7 @@ TEST(Sweep, PointsResumeFromTheirCheckpoint) {
     const TemporaryFolder folder;
     const SweepPlan plan =
         plan_over(one.text, one.axes, one.observables, {{"run.checkpoint_every", "1e-9"}});
-    const SweepRow due = *run_point(plan, 0);
+    const SweepRow expected = *run_point(plan, 0);
     const std::filesystem::path file = folder / "0.store";
     std::optional<SweepRow> row;
     int stops = 0;
@@ -542,14 +542,14 @@ TEST(Sweep, PointsResumeFromTheirCheckpoint) {
     }
     if (!row) row = run_point(plan, 0, nullptr, folder.path());
     ASSERT_TRUE(row) << one.name;
-    EXPECT_EQ(bits_of(row->numbers), bits_of(due.numbers)) << one.name << ", stops: " << stops;
+    EXPECT_EQ(bits_of(row->numbers), bits_of(expected.numbers)) << one.name << ", stops: " << stops;
     // It is of use until the row is kept, and no longer.
     EXPECT_TRUE(std::filesystem::exists(file)) << one.name;
     RowsInMemory rows;
     SweepOptions options;
     options.folder = folder.path();
     run_sweep(plan, rows, options);
-    EXPECT_EQ(bits_of(rows.rows[0].numbers), bits_of(due.numbers)) << one.name;
+    EXPECT_EQ(bits_of(rows.rows[0].numbers), bits_of(expected.numbers)) << one.name;
     EXPECT_FALSE(std::filesystem::exists(file)) << one.name;
   }
 }
@@ -733,18 +733,18 @@ TEST_F(SweepFiles, RecordsAreFoundAgain) {
   EXPECT_TRUE(rows.has(4));
   EXPECT_FALSE(rows.has(3));
   for (const std::size_t k : {1, 5, 14}) {
-    const SweepRow due = *run_point(plan, k);
+    const SweepRow expected = *run_point(plan, k);
     SweepRow row;
     rows.read(k, {&row, 1});
-    EXPECT_EQ(bits_of(row.numbers), bits_of(due.numbers));
-    EXPECT_EQ(row.status, due.status);
-    EXPECT_EQ(row.reason, due.reason);
-    EXPECT_EQ(row.warnings, due.warnings);
+    EXPECT_EQ(bits_of(row.numbers), bits_of(expected.numbers));
+    EXPECT_EQ(row.status, expected.status);
+    EXPECT_EQ(row.reason, expected.reason);
+    EXPECT_EQ(row.warnings, expected.warnings);
   }
 }
 
-/// A record at the place of another point, one of another sweep, and one with any byte changed are
-/// no records.
+/// A record at the position of another point, one of another sweep, and one with any byte changed
+/// are no records.
 TEST_F(SweepFiles, WhatIsNoRecordOfThePointIsRunAgain) {
   const SweepPlan plan = plan_over(kSweptTip, {{{"v", "0.02:0.1:5"}}});
   swept(plan, 1);
@@ -818,7 +818,7 @@ TEST_F(SweepFiles, AnotherVersionIsAnotherFile) {
 TEST_F(SweepFiles, AFullDiskIsAnError) {
   const SweepPlan plan = plan_over(kSweptTip, {{{"v", "0.01:0.1:40"}}});
   SweepJournal rows(journal(), plan);
-  // Records stand at the places of their points, and points end in no order.
+  // Records stand at the positions of their points, and points end in no order.
   constexpr int kBefore = 4;
   for (int k = 0; k < kBefore; ++k) rows.keep(k, *run_point(plan, k));
   {

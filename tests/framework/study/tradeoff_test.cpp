@@ -50,7 +50,7 @@ double truth(const std::string& text) {
   return value_of(text, {{"run.integrator", adaptive(1e-13)}});
 }
 
-void expect_sound(const std::string& text) {
+void expect_valid(const std::string& text) {
   const Tradeoff found = tradeoff_of(text);
   ASSERT_TRUE(found.reference);
   const double exact = truth(text);
@@ -84,9 +84,9 @@ TEST(Tradeoff, ParsesTheSceneOnce) {
   EXPECT_EQ(parsed_documents(), before + 1);
 }
 
-TEST(Tradeoff, SmoothSliding) { expect_sound(smooth().text()); }
+TEST(Tradeoff, SmoothSliding) { expect_valid(smooth().text()); }
 
-TEST(Tradeoff, StickSlip) { expect_sound(stick_slip().text()); }
+TEST(Tradeoff, StickSlip) { expect_valid(stick_slip().text()); }
 
 TEST(Tradeoff, NothingThatWasMeasuredIsCheaper) {
   const Tradeoff found = tradeoff_of(stick_slip().text());

@@ -39,7 +39,7 @@ ForceRecord plugin_name_record() {
   record.parameters = {
       interacting_pairs<Description>().by_default(
           PairSelection{.kind = PairSelection::Kind::all, .list = {}}),
-      parameter("height", &Description::height, dimension::energy, "of two particles in one place")
+      parameter("height", &Description::height, dimension::energy, "of two coincident particles")
           .in(non_negative),
       parameter("cutoff", &Description::cutoff, dimension::length,
                 "from where on there is no force")

@@ -9,7 +9,7 @@
 ///
 ///   V = height (1 - r^2/cutoff^2)^3  for r < cutoff, 0 beyond, each pair once
 ///
-///   height  energy    of a pair in one place
+///   height  energy    of a coincident pair
 ///   cutoff  length    energy, force and its slope are continuous there
 ///
 /// Source: the paper that the equation is from, with its number.

@@ -88,9 +88,9 @@ double value_of(const std::string& text, double x, double y, double t) {
   return std::holds_alternative<double>(outcome) ? std::get<double>(outcome) : std::nan("");
 }
 
-/// Places where all of the formulas above are defined and smooth.
-struct Places {
-  explicit Places(std::uint64_t seed) : engine(seed) {}
+/// Positions where all of the formulas above are defined and smooth.
+struct RandomPoints {
+  explicit RandomPoints(std::uint64_t seed) : engine(seed) {}
   double next() { return std::uniform_real_distribution<double>(0.6, 2.9)(engine); }
   std::mt19937_64 engine;
 };
@@ -104,9 +104,9 @@ TEST(FormulaGraph, HasTheValueOfTheExpression) {
     SCOPED_TRACE(text);
     const Built built(text);
     for (const std::uint64_t seed : kSeeds) {
-      Places places(seed);
+      RandomPoints points(seed);
       for (int k = 0; k < 20; ++k) {
-        const double x = places.next(), y = places.next(), t = places.next();
+        const double x = points.next(), y = points.next(), t = points.next();
         const double expected = value_of(text, x, y, t);
         const auto found = static_cast<double>(built.at(built.root, Quad(x), Quad(y), Quad(t)));
         EXPECT_NEAR(found, expected, kRounding * (1.0 + std::abs(expected))) << x << ' ' << y;
@@ -126,10 +126,10 @@ TEST(FormulaGraph, DerivativesAreThoseOfTheValue) {
     for (const std::uint32_t variable : {0u, 1u, kT}) {
       const auto slope = built.graph.derivative(built.root, variable);
       for (const std::uint64_t seed : kSeeds) {
-        Places places(seed);
+        RandomPoints points(seed);
         for (int k = 0; k < 10; ++k) {
-          const std::array<Quad, 3> at = {Quad(places.next()), Quad(places.next()),
-                                          Quad(places.next())};
+          const std::array<Quad, 3> at = {Quad(points.next()), Quad(points.next()),
+                                          Quad(points.next())};
           const auto moved = [&](double h) {
             std::array<Quad, 3> to = at;
             to[variable == kT ? 2 : variable] += Quad(h);
@@ -152,9 +152,9 @@ TEST(FormulaGraph, SecondDerivativesAreSymmetric) {
     Built built(text);
     const auto xy = built.graph.derivative(built.graph.derivative(built.root, 0), 1);
     const auto yx = built.graph.derivative(built.graph.derivative(built.root, 1), 0);
-    Places places(kSeeds[0]);
+    RandomPoints points(kSeeds[0]);
     for (int k = 0; k < 10; ++k) {
-      const Quad x = places.next(), y = places.next(), t = places.next();
+      const Quad x = points.next(), y = points.next(), t = points.next();
       const auto one = static_cast<double>(built.at(xy, x, y, t));
       const auto other = static_cast<double>(built.at(yx, x, y, t));
       EXPECT_NEAR(one, other, kRounding * (1.0 + std::abs(one)));
@@ -235,9 +235,9 @@ TYPED_TEST(FormulaKernelsOf, HaveTheGraphsValueAndTheSameBitsInBlocks) {
     const std::array<FormulaGraph::Id, 2> nodes = {built.root, slope};
     const FormulaProgram<Real> program(compile(built.graph, nodes, inputs));
     const Real start(0.25);
-    Places places(kSeeds[1]);
+    RandomPoints points(kSeeds[1]);
     AlignedVector<Real> position(2 * padded(kMost), Real(0.0));
-    for (Real& x : position) x = Real(places.next());
+    for (Real& x : position) x = Real(points.next());
     std::vector<Real> first(2 * kMost);
     for (const InstructionSet set : Sets<Real>::all()) {
       const auto& kernels = kernels::FormulaKernels.on<Real>(set);

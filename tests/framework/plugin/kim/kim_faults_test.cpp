@@ -5,7 +5,7 @@
 
 #include "tests/framework/plugin/kim/kim_scenes.hpp"
 
-// Scenes with kim_model that are refused, each with its place, and runs that fail.
+// Scenes with kim_model that are refused, each with its position, and runs that fail.
 
 namespace tomlin::test {
 namespace {
@@ -37,9 +37,9 @@ TEST(KimFaults, AreToldWithTheirPlace) {
   EXPECT_EQ(refused(of_two("tomlin_test_pair")), "");
   EXPECT_EQ(refused(of_two("tomlin_test_pain")),
             key + "\"tomlin_test_pain\" [scene.unknown_name] did you mean tomlin_test_pair");
-  const std::string sound = "\"tomlin_test_pair\" ";
+  const std::string valid = "\"tomlin_test_pair\" ";
   EXPECT_EQ(refused(of_two("tomlin_test_pair", "[scene]\nunits = \"reduced\"\n")),
-            key + sound + "[component.unsuitable]");
+            key + valid + "[component.unsuitable]");
   EXPECT_EQ(refused(of_two("tomlin_test_pair", kMetal, "")),
             "3:1 body.a.species [component.unsuitable]");
   EXPECT_EQ(refused(of_two("tomlin_test_pair", kMetal, "species = [\"Ar\", \"Si\"]")),
@@ -50,7 +50,7 @@ TEST(KimFaults, AreToldWithTheirPlace) {
   EXPECT_EQ(
       refused(kMetal + "[box]\nlengths = [13.7, 20.0, 20.0]\nperiodic = [true, true, true]\n" +
               two_atoms("species = \"Ar\"") + kim_force("tomlin_test_pair", "[\"a\"]") + kShortRun),
-      "15:9 force.kim_model.model = " + sound + "[scene.out_of_range]");
+      "15:9 force.kim_model.model = " + valid + "[scene.out_of_range]");
   EXPECT_EQ(refused(of_two("tomlin_test_pair", kMetal, "species = \"Ar\"", 0.4)),
             "9:1 force.kim_model.body [body.invalid_coordinates]");
   EXPECT_EQ(refused(kMetal +
@@ -58,7 +58,7 @@ TEST(KimFaults, AreToldWithTheirPlace) {
                     "particle_mass = 1.0\nspecies = \"Ar\"\n[[force]]\ntype = \"kim_model\"\n"
                     "model = \"tomlin_test_pair\"\n" +
                     kShortRun),
-            "10:9 force.kim_model.model = " + sound + "[component.unsuitable]");
+            "10:9 force.kim_model.model = " + valid + "[component.unsuitable]");
   EXPECT_EQ(refused(of_two("tomlin_test_pair") + "number_type = \"quadruple\"\n"),
             "16:15 run.number_type = \"quadruple\" [number_type.unsuitable]");
 }

@@ -90,14 +90,14 @@ TEST(KimModel, PairsHaveTheForcesOfTheSamePotentialBuiltIn) {
 /// Atoms that are far outside the box, each by lengths of its own, are where they are within it.
 TEST(KimModel, AtomsThatHaveLeftTheBoxAreInIt) {
   for (const unsigned seed : kSeedsOfCrystals) {
-    Places places = crystal({4, 4, 4}, 3.65, 0.3, seed);
-    for (std::size_t i = 0; i < places.size(); ++i) {
+    AtomPositions positions = crystal({4, 4, 4}, 3.65, 0.3, seed);
+    for (std::size_t i = 0; i < positions.size(); ++i) {
       for (std::size_t d = 0; d < 3; ++d) {
-        places[i][d] += kBox[d] * static_cast<double>((i * 7 + d * 3) % 11) - 5.0 * kBox[d];
+        positions[i][d] += kBox[d] * static_cast<double>((i * 7 + d * 3) % 11) - 5.0 * kBox[d];
       }
     }
     const auto scene = kim_scene(
-        kMetal + box_of(kBox, kPeriodic[0]) + atoms("a", places, "Ar", "Kr") +
+        kMetal + box_of(kBox, kPeriodic[0]) + atoms("a", positions, "Ar", "Kr") +
         kim_force("tomlin_test_pair", "[\"a\"]") + same_pairs("same", "[\"a\"]") + kShortRun);
     expect_same(found_in(*scene, 0), found_in(*scene, 1));
   }
@@ -107,7 +107,7 @@ TEST(KimModel, AtomsThatHaveLeftTheBoxAreInIt) {
 TEST(KimModel, BodiesAreOneConfiguration) {
   for (const unsigned seed : kSeedsOfCrystals) {
     const std::string one = atoms("a", crystal({4, 4, 2}, 3.65, 0.3, seed), "Ar", "Kr");
-    const Places others = crystal({4, 4, 1}, 3.65, 0.3, seed + 1, {0.2, 0.1, 7.3});
+    const AtomPositions others = crystal({4, 4, 1}, 3.65, 0.3, seed + 1, {0.2, 0.1, 7.3});
     const std::string fixed = atoms("b", others, "Kr", "Ar", "coordinates = \"fixed\"\n");
     for (const char* order : {"[\"a\", \"b\"]", "[\"b\", \"a\"]"}) {
       const std::string box = kMetal + box_of(kBox, kPeriodic[1]);
@@ -126,10 +126,11 @@ TEST(KimModel, BodiesAreOneConfiguration) {
 }
 
 TEST(KimModel, ARigidBodysForcesAreThoseOnItsParticles) {
-  const Places places = crystal({3, 3, 2}, 3.65, 0.3, 12);
-  const Places others = crystal({3, 3, 1}, 3.65, 0.2, 13, {0.4, 0.3, 7.3});
+  const AtomPositions positions = crystal({3, 3, 2}, 3.65, 0.3, 12);
+  const AtomPositions others = crystal({3, 3, 1}, 3.65, 0.2, 13, {0.4, 0.3, 7.3});
   const auto scene = kim_scene(
-      kMetal + atoms("a", places, "Ar", "Kr", "coordinates = \"rigid\"\nhold = [\"rotation\"]\n") +
+      kMetal +
+      atoms("a", positions, "Ar", "Kr", "coordinates = \"rigid\"\nhold = [\"rotation\"]\n") +
       atoms("b", others, "Kr", "Ar") + kim_force("tomlin_test_pair", "[\"a\", \"b\"]") +
       same_pairs("between", "[\"a\", \"b\"]") + same_pairs("within", "[\"b\"]") + kShortRun);
   Found expected = found_in(*scene, 1);
@@ -142,7 +143,7 @@ TEST(KimModel, ARigidBodysForcesAreThoseOnItsParticles) {
 }
 
 /// sum_i sum_j phi(r_ij) (1 + c n_j), by all images of all atoms.
-double coordinated_energy(const Places& places, const std::array<double, 3>& box) {
+double coordinated_energy(const AtomPositions& positions, const std::array<double, 3>& box) {
   struct Image {
     std::size_t atom;
     std::array<double, 3> at;
@@ -152,10 +153,10 @@ double coordinated_energy(const Places& places, const std::array<double, 3>& box
   for (int i = -range(0); i <= range(0); ++i) {
     for (int j = -range(1); j <= range(1); ++j) {
       for (int k = -range(2); k <= range(2); ++k) {
-        for (std::size_t a = 0; a < places.size(); ++a) {
-          images.push_back(
-              {a,
-               {places[a][0] + i * box[0], places[a][1] + j * box[1], places[a][2] + k * box[2]}});
+        for (std::size_t a = 0; a < positions.size(); ++a) {
+          images.push_back({a,
+                            {positions[a][0] + i * box[0], positions[a][1] + j * box[1],
+                             positions[a][2] + k * box[2]}});
         }
       }
     }
@@ -164,15 +165,15 @@ double coordinated_energy(const Places& places, const std::array<double, 3>& box
     return std::hypot(x[0] - y[0], x[1] - y[1], x[2] - y[2]);
   };
   std::vector<double> coordinations;
-  for (const auto& at : places) {
+  for (const auto& at : positions) {
     double n = -coordination(0.0).value;  // itself
     for (const Image& image : images) n += coordination(apart(at, image.at)).value;
     coordinations.push_back(n);
   }
   double energy = 0.0;
-  for (std::size_t i = 0; i < places.size(); ++i) {
+  for (std::size_t i = 0; i < positions.size(); ++i) {
     for (const Image& image : images) {
-      const double r = apart(places[i], image.at);
+      const double r = apart(positions[i], image.at);
       if (r == 0.0) continue;
       const int species = (i % 3 == 1 ? 1 : 0) + (image.atom % 3 == 1 ? 1 : 0);
       energy += phi(species, r).value * (1.0 + kCoordinationWeight * coordinations[image.atom]);
@@ -192,18 +193,18 @@ std::array<double, 3> lengths_in(const std::string& periodic) {
 /// A potential of the neighbours of neighbours is right, across the sides of a box, too.
 TEST(KimModel, NeighboursOfNeighboursAreSeen) {
   for (const std::string& periodic : kPeriodic) {
-    const Places places = crystal({7, 7, 7}, 2.95, 0.3, 5);
+    const AtomPositions positions = crystal({7, 7, 7}, 2.95, 0.3, 5);
     const auto scene =
-        kim_scene(kMetal + box_of(kWideBox, periodic) + atoms("a", places, "Ar", "Kr") +
+        kim_scene(kMetal + box_of(kWideBox, periodic) + atoms("a", positions, "Ar", "Kr") +
                   kim_force("tomlin_test_coordinated", "[\"a\"]") + kShortRun);
     const Found found = found_in(*scene, 0);
-    const double expected = coordinated_energy(places, lengths_in(periodic));
+    const double expected = coordinated_energy(positions, lengths_in(periodic));
     EXPECT_NEAR(found.energy, expected, kRoundings * std::abs(expected));
     // Differences of that energy, of a few coordinates.
     for (const std::size_t k : {std::size_t{0}, std::size_t{400}, std::size_t{1000}}) {
       constexpr double kMove = 1e-3;
       const auto moved = [&](double by) {
-        Places all = places;
+        AtomPositions all = positions;
         all[k / 3][k % 3] += by;
         return coordinated_energy(all, lengths_in(periodic));
       };
@@ -270,7 +271,7 @@ Found found_at_present(SingleForce& force) {
   return found;
 }
 
-/// Along a random walk, by lists that are kept and by lists that are made at each place.
+/// Along a random walk, by lists that are kept and by lists that are made at each position.
 void expect_bits_of_fresh_lists(const std::string& text, unsigned seed) {
   const auto scene = kim_scene(text);
   SingleForce kept(*scene, 0);
@@ -309,19 +310,19 @@ TEST(KimModel, HasTheBitsOfFreshListsWhereverItHasBeen) {
 /// Atoms of one body without a scene, and what a model makes of them.
 class Bench {
  public:
-  Bench(const std::string& model, const Places& places, const std::array<double, 3>& box)
+  Bench(const std::string& model, const AtomPositions& positions, const std::array<double, 3>& box)
       : model_(model) {
     body_.name = "atoms";
-    body_.slot.count = places.size();
-    body_.slot.stride = places.size();
+    body_.slot.count = positions.size();
+    body_.slot.stride = positions.size();
     for (std::size_t d = 0; d < 3; ++d) {
-      for (const auto& at : places) place_.push_back(at[d]);
+      for (const auto& at : positions) position_.push_back(at[d]);
     }
-    stage_.position = place_.data();
+    stage_.position = position_.data();
     around_ = std::make_unique<kim::Surroundings>(std::vector<const BoundBody<double>*>{&body_},
                                                   model_.facts().reach(), box);
     std::vector<int> codes;
-    for (std::size_t i = 0; i < places.size(); ++i) codes.push_back(i % 3 == 1 ? 1 : 0);
+    for (std::size_t i = 0; i < positions.size(); ++i) codes.push_back(i % 3 == 1 ? 1 : 0);
     seen_ = std::make_unique<kim::Configuration>(model_, codes);
     EXPECT_TRUE(around_->update(stage_));
     seen_->assemble(*around_);
@@ -347,7 +348,7 @@ class Bench {
  private:
   kim::PortableModel model_;
   BoundBody<double> body_;
-  std::vector<double> place_;
+  std::vector<double> position_;
   Stage<double> stage_;
   std::unique_ptr<kim::Surroundings> around_;
   std::unique_ptr<kim::Configuration> seen_;
@@ -370,12 +371,12 @@ double largest_difference(const Found& a, const Found& b) {
 TEST(KimModel, AForceThatIsNotFoldedBackIsSeen) {
   with_kim();
   Bench bench("tomlin_test_pair", crystal({4, 4, 4}, 3.65, 0.3, 4), kBox);
-  const Found sound = bench.compute();
+  const Found valid = bench.compute();
   const Found planted = bench.compute(false);
   for (std::size_t d = 0; d < 3; ++d) {
-    EXPECT_NEAR(total_along(sound, d), 0.0, kRoundings);
+    EXPECT_NEAR(total_along(valid, d), 0.0, kRoundings);
   }
-  EXPECT_GT(largest_difference(sound, planted), 1e-2);
+  EXPECT_GT(largest_difference(valid, planted), 1e-2);
 }
 
 /// Neighbours that come behind a particle alone.
@@ -396,11 +397,11 @@ kim::ModelList half_of(const kim::ModelList& whole) {
 TEST(KimModel, ListsOfHalfThePairsAreSeen) {
   with_kim();
   Bench bench("tomlin_test_coordinated", crystal({7, 7, 7}, 2.95, 0.3, 5), kWideBox);
-  const Found sound = bench.compute();
+  const Found valid = bench.compute();
   for (kim::ModelList& list : bench.seen().lists) {
     const kim::ModelList whole = list;
     list = half_of(whole);
-    EXPECT_GT(std::abs(bench.compute().energy - sound.energy), 1.0);
+    EXPECT_GT(std::abs(bench.compute().energy - valid.energy), 1.0);
     list = whole;
   }
 }
@@ -408,19 +409,19 @@ TEST(KimModel, ListsOfHalfThePairsAreSeen) {
 /// Atoms of other images have neighbours, too, if a model asks for them.
 TEST(KimModel, ListsWithoutThoseOfImagesAreSeen) {
   with_kim();
-  const Places places = crystal({7, 7, 7}, 2.95, 0.3, 5);
-  Bench bench("tomlin_test_coordinated", places, kWideBox);
+  const AtomPositions positions = crystal({7, 7, 7}, 2.95, 0.3, 5);
+  Bench bench("tomlin_test_coordinated", positions, kWideBox);
   EXPECT_GT(bench.seen().count(), bench.count());
   EXPECT_EQ(bench.seen().lists[0].start.size(), bench.count() + 1) << "it does not ask for these";
   EXPECT_EQ(bench.seen().lists[1].start.size(), bench.seen().count() + 1);
-  const Found sound = bench.compute();
-  const double expected = coordinated_energy(places, kWideBox);
-  EXPECT_NEAR(sound.energy, expected, kRoundings * std::abs(expected));
+  const Found valid = bench.compute();
+  const double expected = coordinated_energy(positions, kWideBox);
+  EXPECT_NEAR(valid.energy, expected, kRoundings * std::abs(expected));
   kim::ModelList& list = bench.seen().lists[1];
   for (std::size_t i = bench.count(); i < bench.seen().count(); ++i) {
     list.start[i + 1] = list.start[bench.count()];
   }
-  EXPECT_GT(std::abs(bench.compute().energy - sound.energy), 1.0);
+  EXPECT_GT(std::abs(bench.compute().energy - valid.energy), 1.0);
 }
 
 /// Neighbours ascend, whatever list they come from.
@@ -460,17 +461,17 @@ bool lammps_has_kim() {
 }
 
 /// A crystal in a periodic box, of argon and krypton.
-LammpsState by_lammps(const std::string& model, const Places& places,
+LammpsState by_lammps(const std::string& model, const AtomPositions& positions,
                       const std::array<double, 3>& box) {
-  std::string data = "atoms\n\n" + std::to_string(places.size()) + " atoms\n2 atom types\n";
+  std::string data = "atoms\n\n" + std::to_string(positions.size()) + " atoms\n2 atom types\n";
   for (std::size_t d = 0; d < 3; ++d) {
     const std::string axis(1, "xyz"[d]);
     data += "0 " + digits(box[d]) + " " + axis + "lo " + axis + "hi\n";
   }
   data += "\nAtoms\n\n";
-  for (std::size_t i = 0; i < places.size(); ++i) {
+  for (std::size_t i = 0; i < positions.size(); ++i) {
     data += std::to_string(i + 1) + (i % 3 == 1 ? " 2" : " 1");
-    for (const double x : places[i]) data += " " + digits(x);
+    for (const double x : positions[i]) data += " " + digits(x);
     data += "\n";
   }
   return run_lammps({{"atoms.data", data},
@@ -492,17 +493,17 @@ TEST(KimModel, LammpsHasTheSameForces) {
                {"tomlin_test_coordinated", {7, 7, 7}, 2.95, kWideBox}};
   for (const auto& one : cases) {
     SCOPED_TRACE(one.model);
-    const Places places = crystal(one.cells, one.spacing, 0.3, 11);
-    const LammpsState theirs = by_lammps(one.model, places, one.box);
+    const AtomPositions positions = crystal(one.cells, one.spacing, 0.3, 11);
+    const LammpsState theirs = by_lammps(one.model, positions, one.box);
     const auto scene =
-        kim_scene(kMetal + box_of(one.box, kPeriodic[0]) + atoms("a", places, "Ar", "Kr") +
+        kim_scene(kMetal + box_of(one.box, kPeriodic[0]) + atoms("a", positions, "Ar", "Kr") +
                   kim_force(one.model, "[\"a\"]") + kShortRun);
     SingleForce alone(*scene, 0);
     EXPECT_NEAR(alone.energy(0.0), theirs.energy, kSameEnergy * std::abs(theirs.energy));
     const double* f = alone.forces(0.0);
     const BodySlot<double>& slot = alone.model().bodies()[0].bound.slot;
-    ASSERT_EQ(theirs.force.size(), places.size());
-    for (std::size_t i = 0; i < places.size(); ++i) {
+    ASSERT_EQ(theirs.force.size(), positions.size());
+    for (std::size_t i = 0; i < positions.size(); ++i) {
       for (std::size_t d = 0; d < 3; ++d) {
         EXPECT_NEAR(f[slot.offset + d * slot.stride + i], theirs.force[i][d], kSameForce) << i;
       }
@@ -588,8 +589,8 @@ TEST(OpenKim, PotentialsOfManyKindsHaveVerifiedProperties) {
   for (const auto& one : cases) {
     SCOPED_TRACE(one.model);
     TOMLIN_NEEDS(one.model);
-    const auto places = crystal({2, 2, 2}, one.spacing, 0.1, 3);
-    const auto scene = kim_scene(kMetal + atoms("a", places, one.species, one.species) +
+    const auto positions = crystal({2, 2, 2}, one.spacing, 0.1, 3);
+    const auto scene = kim_scene(kMetal + atoms("a", positions, one.species, one.species) +
                                  kim_force(one.model, "[\"a\"]") + kShortRun);
     for (const PropertyResult& result : check_properties(*scene, {.displaced_states = 2})) {
       EXPECT_TRUE(result.holds) << result.property << ": " << result.error << " of "

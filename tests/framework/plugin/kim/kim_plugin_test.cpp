@@ -15,15 +15,15 @@ namespace {
 
 std::string scene_of_model(const std::string& model, const std::string& plugin,
                            const std::string& duration) {
-  std::string places;
+  std::string positions;
   for (int i = 0; i < 64; ++i) {
-    places += "[" + std::to_string(3.7 * (i % 4) + 0.1 * (i % 3)) + ", " +
-              std::to_string(3.7 * (i / 4 % 4)) + ", " + std::to_string(3.7 * (i / 16)) + "], ";
+    positions += "[" + std::to_string(3.7 * (i % 4) + 0.1 * (i % 3)) + ", " +
+                 std::to_string(3.7 * (i / 4 % 4)) + ", " + std::to_string(3.7 * (i / 16)) + "], ";
   }
   return "plugins = [\"" + plugin + "\"]\n[scene]\nunits = \"metal\"\n" +
          "[box]\nlengths = [14.8, 14.8, 14.8]\nperiodic = [true, true, true]\n" +
          "[[body]]\nname = \"a\"\ntype = \"particles\"\nspecies = \"Ar\"\n" +
-         "particle_mass = 39.948\nstart_temperature = 40.0\npositions = [" + places + "]\n" +
+         "particle_mass = 39.948\nstart_temperature = 40.0\npositions = [" + positions + "]\n" +
          "[[force]]\nname = \"pot\"\ntype = \"kim_model\"\nmodel = \"" + model + "\"\n" +
          "[run]\nduration = " + duration +
          "\nintegrator = { type = \"velocity_verlet\", dt = 0.002 }\ncheckpoint_every = 0.1\n" +

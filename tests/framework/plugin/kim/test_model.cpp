@@ -51,7 +51,7 @@ struct Given {
   const int* count = nullptr;
   const int* species = nullptr;
   const int* contributing = nullptr;
-  const double* places = nullptr;
+  const double* positions = nullptr;
   double* energy = nullptr;
   double* forces = nullptr;
 };
@@ -65,7 +65,7 @@ Separation between(const Given& g, int i, int j) {
   Separation s{};
   double squared = 0.0;
   for (int d = 0; d < 3; ++d) {
-    s.way[d] = g.places[3 * j + d] - g.places[3 * i + d];
+    s.way[d] = g.positions[3 * j + d] - g.positions[3 * i + d];
     squared += s.way[d] * s.way[d];
   }
   s.distance = std::sqrt(squared);
@@ -163,7 +163,7 @@ int compute(const KIM::ModelCompute* const model,
   const bool unknown = arguments->GetArgumentPointer(numberOfParticles, &g.count) != 0 ||
                        arguments->GetArgumentPointer(particleSpeciesCodes, &g.species) != 0 ||
                        arguments->GetArgumentPointer(particleContributing, &g.contributing) != 0 ||
-                       arguments->GetArgumentPointer(coordinates, &g.places) != 0 ||
+                       arguments->GetArgumentPointer(coordinates, &g.positions) != 0 ||
                        arguments->GetArgumentPointer(partialEnergy, &g.energy) != 0 ||
                        arguments->GetArgumentPointer(partialForces, &g.forces) != 0;
   if (unknown) return 1;

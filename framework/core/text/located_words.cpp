@@ -1,11 +1,11 @@
-#include "framework/core/text/placed_words.hpp"
+#include "framework/core/text/located_words.hpp"
 
 #include <algorithm>
 
 namespace tomlin {
 
-std::vector<PlacedWord> words_of_lines(std::string_view text) {
-  std::vector<PlacedWord> words;
+std::vector<LocatedWord> words_of_lines(std::string_view text) {
+  std::vector<LocatedWord> words;
   std::size_t line = 1;
   std::size_t column = 0;  // words of the line so far
   for (std::size_t at = 0; at < text.size();) {
