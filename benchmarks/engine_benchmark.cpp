@@ -18,14 +18,14 @@
 #include "framework/model/friction_tables.hpp"
 #include "framework/model/single_force.hpp"
 #include "framework/run/engine.hpp"
-#include "framework/run/lane_batch.hpp"
+#include "framework/run/steps/lane_batch.hpp"
 #include "framework/scene/scene.hpp"
 #include "framework/scene/scene_document.hpp"
 #include "framework/standard_registry.hpp"
-#include "framework/study/accuracy.hpp"
-#include "framework/study/sweep/plan.hpp"
+#include "framework/study/accuracy/accuracy.hpp"
 #include "framework/study/sweep/point_run.hpp"
 #include "framework/study/sweep/runner.hpp"
+#include "framework/study/sweep/sweep_plan.hpp"
 #include "framework/study/sweep/worker.hpp"
 
 namespace {

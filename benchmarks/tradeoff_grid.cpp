@@ -11,8 +11,8 @@
 #include "framework/core/text/fault.hpp"
 #include "framework/scene/scene.hpp"
 #include "framework/standard_registry.hpp"
-#include "framework/study/measurer.hpp"
-#include "framework/study/tradeoff.hpp"
+#include "framework/study/tradeoff/measurer.hpp"
+#include "framework/study/tradeoff/tradeoff.hpp"
 
 /// How good are the recommendations of `tomlin tradeoff`? Each is held against the cheapest of an
 /// exhaustive grid: every method of the ladder in double (other numbers count the same), eight

@@ -1,9 +1,9 @@
 #include "framework/standard_registry.hpp"
 
-#include "forcefields/register.hpp"
-#include "framework/bodies/register.hpp"
+#include "forcefields/register_forces.hpp"
+#include "framework/bodies/register_bodies.hpp"
 #include "framework/point_lanes.hpp"
-#include "integrators/register.hpp"
+#include "integrators/register_integrators.hpp"
 
 namespace tomlin {
 

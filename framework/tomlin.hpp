@@ -10,9 +10,9 @@
 /// the status failed.
 
 #include "framework/core/text/fault.hpp"
-#include "framework/run/observables.hpp"
+#include "framework/run/results/observables.hpp"
 #include "framework/run/run.hpp"
 #include "framework/scene/scene.hpp"
 #include "framework/scene/scene_document.hpp"
 #include "framework/standard_registry.hpp"
-#include "framework/study/accuracy.hpp"
+#include "framework/study/accuracy/accuracy.hpp"

@@ -22,7 +22,7 @@
 #include "framework/core/text/warning.hpp"
 #include "framework/model/model.hpp"
 #include "framework/model/properties.hpp"
-#include "framework/run/trial.hpp"
+#include "framework/run/guard/trial.hpp"
 
 namespace tomlin {
 namespace {

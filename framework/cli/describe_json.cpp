@@ -12,7 +12,7 @@
 #include "framework/core/records/body.hpp"
 #include "framework/core/records/observer.hpp"
 #include "framework/core/text/citation.hpp"
-#include "framework/run/results.hpp"
+#include "framework/run/results/results.hpp"
 #include "framework/scene/effective.hpp"
 #include "framework/scene/natural_units.hpp"
 #include "framework/scene/value_reader.hpp"

@@ -11,8 +11,8 @@
 #include "framework/core/records/force.hpp"
 #include "framework/core/system/instruction_set.hpp"
 #include "framework/model/model.hpp"
-#include "framework/run/lane_batch.hpp"
-#include "framework/run/trial.hpp"
+#include "framework/run/guard/trial.hpp"
+#include "framework/run/steps/lane_batch.hpp"
 #include "framework/scene/engine_units.hpp"
 
 namespace tomlin {

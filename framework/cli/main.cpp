@@ -1,3 +1,3 @@
-#include "framework/cli/program.hpp"
+#include "framework/cli/main_program.hpp"
 
 int main(int argc, char** argv) { return tomlin::program(argc, argv); }

@@ -26,10 +26,10 @@
 #include "framework/output/sweep_files.hpp"
 #include "framework/scene/scene_document.hpp"
 #include "framework/study/sweep/files.hpp"
-#include "framework/study/sweep/journal.hpp"
 #include "framework/study/sweep/merge.hpp"
-#include "framework/study/sweep/plan.hpp"
 #include "framework/study/sweep/runner.hpp"
+#include "framework/study/sweep/sweep_journal.hpp"
+#include "framework/study/sweep/sweep_plan.hpp"
 
 namespace tomlin {
 namespace fs = std::filesystem;

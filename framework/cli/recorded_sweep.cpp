@@ -2,7 +2,7 @@
 
 #include "framework/cli/sweep_folder.hpp"
 #include "framework/cli/sweep_text.hpp"
-#include "framework/study/sweep/journal.hpp"
+#include "framework/study/sweep/sweep_journal.hpp"
 
 namespace tomlin {
 

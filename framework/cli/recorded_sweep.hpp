@@ -10,8 +10,8 @@
 #include "framework/study/sweep/bisection.hpp"
 #include "framework/study/sweep/files.hpp"
 #include "framework/study/sweep/part.hpp"
-#include "framework/study/sweep/plan.hpp"
 #include "framework/study/sweep/runner.hpp"
+#include "framework/study/sweep/sweep_plan.hpp"
 
 /// `tomlin sweep`: a sweep with everything that it leaves in a folder.
 namespace tomlin {

@@ -9,7 +9,7 @@
 #include "framework/cli/diagnostics.hpp"
 #include "framework/core/formula/expression.hpp"
 #include "framework/core/text/citation.hpp"
-#include "framework/run/results.hpp"
+#include "framework/run/results/results.hpp"
 #include "framework/scene/effective.hpp"
 #include "framework/scene/natural_units.hpp"
 #include "framework/scene/value_reader.hpp"

@@ -12,8 +12,8 @@
 
 #include "framework/cli/sections.hpp"
 #include "framework/output/references.hpp"
-#include "framework/run/observables.hpp"
-#include "framework/run/results.hpp"
+#include "framework/run/results/observables.hpp"
+#include "framework/run/results/results.hpp"
 #include "framework/scene/title.hpp"
 
 namespace tomlin {

@@ -24,7 +24,7 @@
 #include "framework/output/resumption.hpp"
 #include "framework/output/run_folder.hpp"
 #include "framework/output/store_file.hpp"
-#include "framework/run/failure_fault.hpp"
+#include "framework/run/results/failure_fault.hpp"
 #include "framework/run/run.hpp"
 #include "framework/standard_registry.hpp"
 #include "framework/study/recorded_run.hpp"

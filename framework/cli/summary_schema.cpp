@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "framework/core/text/fault_code.hpp"
-#include "framework/run/results.hpp"
+#include "framework/run/results/results.hpp"
 #include "framework/study/sweep/bisection.hpp"
 #include "framework/study/sweep/row.hpp"
 

@@ -31,8 +31,8 @@
 #include "framework/output/run_folder.hpp"
 #include "framework/output/sweep_files.hpp"
 #include "framework/scene/text.hpp"
-#include "framework/study/sweep/plan.hpp"
 #include "framework/study/sweep/runner.hpp"
+#include "framework/study/sweep/sweep_plan.hpp"
 
 namespace tomlin {
 namespace fs = std::filesystem;

@@ -7,8 +7,8 @@
 #include "framework/output/run_folder.hpp"
 #include "framework/output/sweep_files.hpp"
 #include "framework/study/sweep/files.hpp"
-#include "framework/study/sweep/journal.hpp"
-#include "framework/study/sweep/plan.hpp"
+#include "framework/study/sweep/sweep_journal.hpp"
+#include "framework/study/sweep/sweep_plan.hpp"
 
 /// The folder of a sweep, as `sweep` and `merge` use it.
 namespace tomlin {

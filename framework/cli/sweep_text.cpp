@@ -16,11 +16,11 @@
 #include "framework/core/text/fault.hpp"
 #include "framework/core/text/words.hpp"
 #include "framework/output/checksum.hpp"
-#include "framework/output/machine.hpp"
-#include "framework/run/lane_batch.hpp"
+#include "framework/output/this_machine.hpp"
+#include "framework/run/steps/lane_batch.hpp"
 #include "framework/scene/text.hpp"
-#include "framework/study/methods.hpp"
 #include "framework/study/sweep/point_run.hpp"
+#include "framework/study/tradeoff/methods.hpp"
 
 namespace tomlin {
 namespace {

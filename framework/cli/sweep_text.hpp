@@ -8,8 +8,8 @@
 #include "framework/study/sweep/bisection.hpp"
 #include "framework/study/sweep/files.hpp"
 #include "framework/study/sweep/part.hpp"
-#include "framework/study/sweep/plan.hpp"
 #include "framework/study/sweep/runner.hpp"
+#include "framework/study/sweep/sweep_plan.hpp"
 
 /// Output of `tomlin sweep` besides its tables.
 namespace tomlin {

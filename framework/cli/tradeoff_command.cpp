@@ -24,7 +24,7 @@
 #include "framework/cli/tradeoff_text.hpp"
 #include "framework/core/text/fault.hpp"
 #include "framework/output/run_folder.hpp"
-#include "framework/study/tradeoff.hpp"
+#include "framework/study/tradeoff/tradeoff.hpp"
 
 namespace tomlin {
 namespace fs = std::filesystem;

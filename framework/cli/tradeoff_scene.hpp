@@ -5,7 +5,7 @@
 
 #include "framework/core/records/registry.hpp"
 #include "framework/scene/scene_document.hpp"
-#include "framework/study/tradeoff.hpp"
+#include "framework/study/tradeoff/tradeoff.hpp"
 
 /// `tomlin tradeoff --write NEW.toml`
 namespace tomlin {

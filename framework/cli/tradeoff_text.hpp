@@ -3,7 +3,7 @@
 #include <string>
 
 #include "framework/scene/scene.hpp"
-#include "framework/study/tradeoff.hpp"
+#include "framework/study/tradeoff/tradeoff.hpp"
 
 /// The result of a tradeoff for people and for programs.
 namespace tomlin {

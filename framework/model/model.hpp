@@ -14,9 +14,9 @@
 #include "framework/core/system/state_layout.hpp"
 #include "framework/core/system/system.hpp"
 #include "framework/model/assembly.hpp"
-#include "framework/model/elastic.hpp"
+#include "framework/model/elastic_bodies.hpp"
+#include "framework/model/force_tangent.hpp"
 #include "framework/model/observe_kernels.hpp"
-#include "framework/model/tangent.hpp"
 #include "framework/scene/scene.hpp"
 
 /// A scene bound: particles, coordinates, forces and the list of kernel calls that evaluates them.

@@ -17,9 +17,9 @@
 
 #include "framework/core/records/integrator.hpp"
 #include "framework/output/checksum.hpp"
-#include "framework/output/machine.hpp"
 #include "framework/output/references.hpp"
-#include "framework/run/results.hpp"
+#include "framework/output/this_machine.hpp"
+#include "framework/run/results/results.hpp"
 #include "framework/scene/document.hpp"
 #include "framework/scene/effective.hpp"
 #include "framework/scene/engine_units.hpp"

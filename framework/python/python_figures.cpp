@@ -17,7 +17,7 @@
 #include "framework/model/model.hpp"
 #include "framework/model/single_force.hpp"
 #include "framework/python/handles.hpp"
-#include "framework/run/results.hpp"
+#include "framework/run/results/results.hpp"
 #include "framework/scene/document.hpp"
 #include "framework/scene/effective.hpp"
 #include "framework/scene/engine_units.hpp"

@@ -23,9 +23,9 @@
 #include "framework/output/run_folder.hpp"
 #include "framework/output/summary.hpp"
 #include "framework/python/handles.hpp"
-#include "framework/run/observables.hpp"
-#include "framework/run/results.hpp"
-#include "framework/study/accuracy.hpp"
+#include "framework/run/results/observables.hpp"
+#include "framework/run/results/results.hpp"
+#include "framework/study/accuracy/accuracy.hpp"
 #include "framework/study/recorded_run.hpp"
 
 namespace tomlin::python {

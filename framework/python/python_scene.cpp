@@ -16,7 +16,7 @@
 #include "framework/python/handles.hpp"
 #include "framework/standard_registry.hpp"
 #include "framework/study/compare.hpp"
-#include "framework/study/tradeoff.hpp"
+#include "framework/study/tradeoff/tradeoff.hpp"
 
 namespace tomlin::python {
 namespace {

@@ -19,7 +19,7 @@
 #include "framework/python/handles.hpp"
 #include "framework/run/context.hpp"
 #include "framework/run/engine.hpp"
-#include "framework/study/pilot.hpp"
+#include "framework/study/accuracy/pilot.hpp"
 
 namespace tomlin::python {
 namespace {

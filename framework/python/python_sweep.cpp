@@ -32,10 +32,10 @@
 #include "framework/python/handles.hpp"
 #include "framework/scene/text.hpp"
 #include "framework/study/sweep/bisection.hpp"
-#include "framework/study/sweep/journal.hpp"
-#include "framework/study/sweep/plan.hpp"
 #include "framework/study/sweep/row_order.hpp"
 #include "framework/study/sweep/runner.hpp"
+#include "framework/study/sweep/sweep_journal.hpp"
+#include "framework/study/sweep/sweep_plan.hpp"
 
 namespace tomlin::python {
 namespace {

@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "framework/run/diagnose.hpp"
-#include "framework/run/number_type.hpp"
-#include "framework/run/watched_integrals.hpp"
+#include "framework/run/guard/diagnose.hpp"
+#include "framework/run/guard/watched_integrals.hpp"
+#include "framework/run/steps/integrator_in_type.hpp"
 
 namespace tomlin {
 

@@ -13,8 +13,8 @@
 #include "framework/core/system/scheme.hpp"
 #include "framework/model/model.hpp"
 #include "framework/model/plugin_code.hpp"
-#include "framework/run/plan.hpp"
 #include "framework/run/run.hpp"
+#include "framework/run/steps/run_plan.hpp"
 
 namespace tomlin {
 

@@ -8,15 +8,15 @@
 #include <vector>
 
 #include "framework/run/context.hpp"
+#include "framework/run/events/triggers.hpp"
+#include "framework/run/guard/start_checks.hpp"
 #include "framework/run/housekeeping.hpp"
-#include "framework/run/lane_batch.hpp"
-#include "framework/run/observables.hpp"
-#include "framework/run/observation.hpp"
-#include "framework/run/start_checks.hpp"
-#include "framework/run/stepping.hpp"
-#include "framework/run/triggers.hpp"
-#include "framework/run/until_error.hpp"
-#include "framework/run/until_steady.hpp"
+#include "framework/run/results/observables.hpp"
+#include "framework/run/results/observation.hpp"
+#include "framework/run/steps/lane_batch.hpp"
+#include "framework/run/steps/stepping.hpp"
+#include "framework/run/window/until_error.hpp"
+#include "framework/run/window/until_steady.hpp"
 
 namespace tomlin {
 namespace {

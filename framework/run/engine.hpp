@@ -11,7 +11,7 @@
 #include "framework/core/system/scheme.hpp"
 #include "framework/model/model.hpp"
 #include "framework/model/plugin_code.hpp"
-#include "framework/run/energy_balance.hpp"
+#include "framework/run/guard/energy_balance.hpp"
 #include "framework/run/run.hpp"
 
 namespace tomlin {

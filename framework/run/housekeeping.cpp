@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "framework/run/disturbance.hpp"
+#include "framework/run/guard/disturbance.hpp"
 
 namespace tomlin {
 namespace {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "framework/run/context.hpp"
-#include "framework/run/observation.hpp"
+#include "framework/run/results/observation.hpp"
 
 namespace tomlin {
 

@@ -11,8 +11,8 @@
 #include <fmt/format.h>
 
 #include "framework/core/text/axis_names.hpp"
-#include "framework/run/lane_batch.hpp"
-#include "framework/run/side_run.hpp"
+#include "framework/run/guard/side_run.hpp"
+#include "framework/run/steps/lane_batch.hpp"
 
 namespace tomlin {
 namespace {

@@ -11,8 +11,8 @@
 #include "framework/core/elements/kernel_tables.hpp"
 #include "framework/core/system/scheme.hpp"
 #include "framework/model/model.hpp"
-#include "framework/run/determined.hpp"
 #include "framework/run/engine.hpp"
+#include "framework/run/guard/determined.hpp"
 #include "framework/run/repeats.hpp"
 
 namespace tomlin {

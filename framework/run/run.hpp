@@ -20,7 +20,7 @@
 #include "framework/core/text/warning.hpp"
 #include "framework/core/text/words.hpp"
 #include "framework/model/assembly.hpp"
-#include "framework/run/result_group.hpp"
+#include "framework/run/results/result_group.hpp"
 #include "framework/scene/scene.hpp"
 
 /// Runs a scene from start to end and reports what happened.
@@ -283,9 +283,9 @@ inline RunOptions options_to_bind() {
 }
 
 /// One run with the integrator that the scene is bound with, whatever accuracy it asks for; run()
-/// in framework/study/accuracy.hpp does all that a scene says. Throws InputError for what only
-/// shows when the scene is bound; everything later is in the result. Allocates nothing between the
-/// first step and the last.
+/// in framework/study/accuracy/accuracy.hpp does all that a scene says. Throws InputError for what
+/// only shows when the scene is bound; everything later is in the result. Allocates nothing between
+/// the first step and the last.
 RunResult run_as_bound(const std::shared_ptr<const Scene>& scene, const RunOptions& options = {});
 
 }  // namespace tomlin

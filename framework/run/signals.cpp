@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "framework/run/plan.hpp"
+#include "framework/run/steps/run_plan.hpp"
 
 namespace tomlin {
 

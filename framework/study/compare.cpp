@@ -10,10 +10,10 @@
 
 #include "framework/model/model.hpp"
 #include "framework/model/scales.hpp"
-#include "framework/run/observables.hpp"
+#include "framework/run/results/observables.hpp"
 #include "framework/scene/title.hpp"
-#include "framework/study/accuracy.hpp"
-#include "framework/study/variants.hpp"
+#include "framework/study/accuracy/accuracy.hpp"
+#include "framework/study/tradeoff/variants.hpp"
 
 namespace tomlin {
 namespace {

@@ -8,8 +8,8 @@
 #include "framework/output/hdf5_file.hpp"
 #include "framework/output/output_size.hpp"
 #include "framework/output/run_recorder.hpp"
-#include "framework/run/trial.hpp"
-#include "framework/study/accuracy.hpp"
+#include "framework/run/guard/trial.hpp"
+#include "framework/study/accuracy/accuracy.hpp"
 
 namespace tomlin {
 

@@ -11,7 +11,7 @@
 #include "framework/output/resumption.hpp"
 #include "framework/output/run_folder.hpp"
 #include "framework/output/run_recorder.hpp"
-#include "framework/run/observables.hpp"
+#include "framework/run/results/observables.hpp"
 #include "tests/framework/output/temporary_folder.hpp"
 #include "tests/support/scenes.hpp"
 

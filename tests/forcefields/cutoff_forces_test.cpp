@@ -12,7 +12,7 @@
 #include "framework/core/numbers/sum.hpp"
 #include "framework/model/properties.hpp"
 #include "framework/model/single_force.hpp"
-#include "framework/run/observables.hpp"
+#include "framework/run/results/observables.hpp"
 #include "tests/support/scenes.hpp"
 
 // Forces with a cutoff: their bits are those of sums over all pairs, whatever the neighbour lists

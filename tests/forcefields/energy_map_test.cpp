@@ -11,7 +11,7 @@
 #include "framework/core/elements/element.hpp"
 #include "framework/core/numbers/constants.hpp"
 #include "framework/core/numbers/periodic_spline.hpp"
-#include "framework/run/observables.hpp"
+#include "framework/run/results/observables.hpp"
 #include "tests/framework/output/temporary_folder.hpp"
 #include "tests/support/random_description.hpp"
 #include "tests/support/scenes.hpp"

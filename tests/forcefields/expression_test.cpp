@@ -1,5 +1,3 @@
-#include "forcefields/expression.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +7,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "forcefields/formula_record.hpp"
 #include "framework/core/text/fault.hpp"
 #include "framework/run/engine.hpp"
 #include "tests/support/faults.hpp"

@@ -14,7 +14,7 @@
 #include "framework/core/system/instruction_set.hpp"
 #include "framework/model/properties.hpp"
 #include "framework/run/engine.hpp"
-#include "framework/run/observables.hpp"
+#include "framework/run/results/observables.hpp"
 #include "tests/support/faults.hpp"
 #include "tests/support/scenes.hpp"
 

@@ -12,7 +12,7 @@
 #include "framework/core/elements/site_force.hpp"
 #include "framework/core/numbers/constants.hpp"
 #include "framework/core/records/force.hpp"
-#include "framework/run/observables.hpp"
+#include "framework/run/results/observables.hpp"
 #include "tests/support/random_description.hpp"
 #include "tests/support/scenes.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/run/observables.hpp"
+#include "framework/run/results/observables.hpp"
 #include "tests/support/scenes.hpp"
 
 // The friction of Carlson and Langer: its magnitude in steady sliding, its limits, and the exact

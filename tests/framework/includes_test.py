@@ -93,7 +93,7 @@ def main():
     planted = [("framework/core/system/planted.hpp", '#include "framework/scene/scene.hpp"\n'),
                ("framework/core/numbers/planted.hpp",
                 '#include "framework/core/system/system.hpp"\n'),
-               ("integrators/planted.cpp", '#include "forcefields/register.hpp"\n'),
+               ("integrators/planted.cpp", '#include "forcefields/register_forces.hpp"\n'),
                # The insides of libraries.
                ("framework/scene/planted.cpp", "#include <toml++/impl/preprocessor.h>\n"),
                ("tests/planted.cpp", "# include <bits/stdc++.h>\n")]

@@ -6,11 +6,11 @@
 #include <string_view>
 #include <vector>
 
-#include "forcefields/register.hpp"
-#include "framework/bodies/register.hpp"
+#include "forcefields/register_forces.hpp"
+#include "framework/bodies/register_bodies.hpp"
 #include "framework/core/text/fault.hpp"
 #include "framework/scene/scene.hpp"
-#include "integrators/register.hpp"
+#include "integrators/register_integrators.hpp"
 
 /// Any bytes are a scene or are refused with InputError. A scene that is accepted is read again
 /// from its effective form, to the same. Lines that begin with "#set " are given as `--set`, so

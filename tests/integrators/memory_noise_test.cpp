@@ -4,7 +4,7 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include "framework/run/observables.hpp"
+#include "framework/run/results/observables.hpp"
 #include "framework/run/run.hpp"
 #include "framework/scene/scene.hpp"
 #include "framework/standard_registry.hpp"

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "framework/core/text/fault.hpp"
-#include "framework/run/observables.hpp"
+#include "framework/run/results/observables.hpp"
 #include "tests/support/scenes.hpp"
 
 // Every force, with every kind of partner and far from the origin, by every scheme that admits it:

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/run/determined.hpp"
+#include "framework/run/guard/determined.hpp"
 #include "tests/support/scenes.hpp"
 
 // Quasistatic paths through instabilities of symmetric scenes: where nothing but rounding decides

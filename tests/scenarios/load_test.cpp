@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/run/observables.hpp"
+#include "framework/run/results/observables.hpp"
 #include "tests/scenarios/scenario_fixture.hpp"
 
 namespace tomlin::test {

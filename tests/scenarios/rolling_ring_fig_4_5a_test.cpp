@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "framework/study/sweep/bisection.hpp"
-#include "framework/study/sweep/journal.hpp"
 #include "framework/study/sweep/runner.hpp"
+#include "framework/study/sweep/sweep_journal.hpp"
 #include "tests/framework/output/temporary_folder.hpp"
 #include "tests/scenarios/rolling_ring_figures.hpp"
 

@@ -11,7 +11,7 @@
 #include "framework/run/run.hpp"
 #include "framework/scene/scene.hpp"
 #include "framework/standard_registry.hpp"
-#include "framework/study/accuracy.hpp"
+#include "framework/study/accuracy/accuracy.hpp"
 #include "tests/support/paths.hpp"
 
 /// Runs the scenes that are shipped, and scenes given as text.

@@ -12,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/run/observables.hpp"
+#include "framework/run/results/observables.hpp"
 #include "tests/scenarios/brownian_tip.hpp"
 #include "tests/scenarios/scenario_fixture.hpp"
 

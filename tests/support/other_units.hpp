@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "framework/core/records/parameter.hpp"
-#include "framework/run/results.hpp"
+#include "framework/run/results/results.hpp"
 #include "framework/scene/document.hpp"
 #include "framework/scene/effective.hpp"
 #include "framework/scene/scene.hpp"

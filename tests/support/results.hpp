@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "framework/run/results.hpp"
+#include "framework/run/results/results.hpp"
 
 namespace tomlin::test {
 

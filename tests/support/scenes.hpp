@@ -14,7 +14,7 @@
 #include "framework/run/run.hpp"
 #include "framework/scene/scene.hpp"
 #include "framework/standard_registry.hpp"
-#include "framework/study/accuracy.hpp"
+#include "framework/study/accuracy/accuracy.hpp"
 #include "tests/support/faults.hpp"
 
 /// Scenes for tests, with every component of this version or with a registry of the test's own.

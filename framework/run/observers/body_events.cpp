@@ -1,6 +1,6 @@
 #include <functional>
 
-#include "framework/run/events.hpp"
+#include "framework/run/events/events.hpp"
 #include "framework/run/observers/kinds.hpp"
 
 /// Hops of bodies that roll in the plane, and whole turns of all that turn freely.

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <limits>
 
-#include "framework/run/energy_balance.hpp"
-#include "framework/run/energy_terms.hpp"
+#include "framework/run/guard/energy_balance.hpp"
+#include "framework/run/guard/energy_terms.hpp"
 #include "framework/run/observers/kinds.hpp"
 
 /// The energy ledger: kinetic and potential energy where the run stops; over the window each term

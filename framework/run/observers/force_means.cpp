@@ -1,9 +1,9 @@
 #include <array>
 #include <cmath>
 
+#include "framework/run/guard/prescribed_inertia.hpp"
 #include "framework/run/observers/kinds.hpp"
-#include "framework/run/plan.hpp"
-#include "framework/run/prescribed_inertia.hpp"
+#include "framework/run/steps/run_plan.hpp"
 
 /// Mean forces of drivers: the running integral of each force over the window, by its length; and
 /// its components along the velocity of the support, at the start of the run, and across it.

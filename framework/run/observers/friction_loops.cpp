@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "framework/run/blocked_series.hpp"
 #include "framework/run/observers/kinds.hpp"
-#include "framework/run/plan.hpp"
+#include "framework/run/steps/run_plan.hpp"
+#include "framework/run/window/blocked_series.hpp"
 
 /// Friction loops of drivers that reverse. A stroke lasts from one reversal to the next; a step
 /// ends where a driver reverses, so that differences of its running integrals have the scheme's

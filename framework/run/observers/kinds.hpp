@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "framework/run/observer.hpp"
+#include "framework/run/observers/run_observer.hpp"
 
 /// The kinds of observers, each in a file of its name.
 namespace tomlin::observers {

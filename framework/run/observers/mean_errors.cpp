@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 
 #include "framework/core/text/axis_names.hpp"
-#include "framework/run/blocking.hpp"
 #include "framework/run/observers/kinds.hpp"
-#include "framework/run/plan.hpp"
+#include "framework/run/steps/run_plan.hpp"
+#include "framework/run/window/blocking.hpp"
 
 /// Statistical errors of means over the window, where there is a thermostat: each mean over equal
 /// parts of the window is a series, whose scatter gives the error (blocking.hpp). A part is a

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "framework/run/observer.hpp"
+#include "framework/run/observers/run_observer.hpp"
 
 namespace tomlin::observers {
 

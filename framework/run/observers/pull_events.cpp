@@ -4,13 +4,13 @@
 #include <limits>
 
 #include "framework/core/system/aligned.hpp"
-#include "framework/run/energy_terms.hpp"
-#include "framework/run/events.hpp"
+#include "framework/run/events/events.hpp"
+#include "framework/run/guard/energy_terms.hpp"
 #include "framework/run/observers/kinds.hpp"
 #include "framework/run/observers/slip_statistics.hpp"
 #include "framework/run/observers/static_force.hpp"
-#include "framework/run/plan.hpp"
-#include "framework/run/wells.hpp"
+#include "framework/run/steps/run_plan.hpp"
+#include "framework/run/window/wells.hpp"
 
 /// Results that follow from a driver's force: slips with their statistics, reversals, the static
 /// force and the effective stiffness during sticking.

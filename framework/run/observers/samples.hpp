@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "framework/run/observer.hpp"
+#include "framework/run/observers/run_observer.hpp"
 #include "framework/run/observers/scene_observers.hpp"
 #include "framework/run/observers/total_forces.hpp"
 

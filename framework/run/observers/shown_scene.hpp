@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/run/observer.hpp"
+#include "framework/run/observers/run_observer.hpp"
 
 namespace tomlin::observers {
 

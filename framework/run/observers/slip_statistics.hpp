@@ -5,9 +5,9 @@
 #include <string_view>
 #include <vector>
 
-#include "framework/run/blocked_series.hpp"
-#include "framework/run/events.hpp"
-#include "framework/run/observer.hpp"
+#include "framework/run/events/events.hpp"
+#include "framework/run/observers/run_observer.hpp"
+#include "framework/run/window/blocked_series.hpp"
 
 namespace tomlin::observers {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "framework/run/plan.hpp"
+#include "framework/run/steps/run_plan.hpp"
 
 namespace tomlin::observers {
 

@@ -4,9 +4,9 @@
 #include <optional>
 #include <vector>
 
-#include "framework/run/events.hpp"
-#include "framework/run/extremes.hpp"
-#include "framework/run/observer.hpp"
+#include "framework/run/events/events.hpp"
+#include "framework/run/events/extremes.hpp"
+#include "framework/run/observers/run_observer.hpp"
 
 namespace tomlin::observers {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "framework/core/system/aligned.hpp"
-#include "framework/run/observer.hpp"
+#include "framework/run/observers/run_observer.hpp"
 
 namespace tomlin::observers {
 

@@ -1,6 +1,6 @@
+#include "framework/run/guard/window_warnings.hpp"
 #include "framework/run/observers/kinds.hpp"
-#include "framework/run/plan.hpp"
-#include "framework/run/window_warnings.hpp"
+#include "framework/run/steps/run_plan.hpp"
 
 /// Warns of a window in which what springs pull has not followed them, or too few slips were seen.
 namespace tomlin::observers {

@@ -1,10 +1,10 @@
 #include <algorithm>
 
-#include "framework/run/energy_terms.hpp"
+#include "framework/run/guard/energy_terms.hpp"
+#include "framework/run/guard/prescribed_inertia.hpp"
+#include "framework/run/guard/watched_integrals.hpp"
 #include "framework/run/observers/kinds.hpp"
-#include "framework/run/plan.hpp"
-#include "framework/run/prescribed_inertia.hpp"
-#include "framework/run/watched_integrals.hpp"
+#include "framework/run/steps/run_plan.hpp"
 
 /// Work of drivers over the window.
 namespace tomlin::observers {

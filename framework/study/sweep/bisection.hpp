@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "framework/core/text/words.hpp"
-#include "framework/study/sweep/journal.hpp"
-#include "framework/study/sweep/plan.hpp"
+#include "framework/study/sweep/sweep_journal.hpp"
+#include "framework/study/sweep/sweep_plan.hpp"
 
 namespace tomlin {
 

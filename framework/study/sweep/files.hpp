@@ -7,9 +7,9 @@
 #include <string>
 
 #include "framework/core/text/fault_code.hpp"
-#include "framework/study/sweep/journal.hpp"
 #include "framework/study/sweep/part.hpp"
-#include "framework/study/sweep/plan.hpp"
+#include "framework/study/sweep/sweep_journal.hpp"
+#include "framework/study/sweep/sweep_plan.hpp"
 
 /// The results of a sweep, made once every point has a row. They depend on the rows alone, and take
 /// the same memory for any number of points but for the order of those of a refinement (RowOrder).

@@ -6,7 +6,7 @@
 
 #include "framework/model/final_state.hpp"
 #include "framework/output/store_file.hpp"
-#include "framework/study/sweep/plan.hpp"
+#include "framework/study/sweep/sweep_plan.hpp"
 
 namespace tomlin {
 

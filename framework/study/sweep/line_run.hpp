@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "framework/study/sweep/plan.hpp"
+#include "framework/study/sweep/sweep_plan.hpp"
 #include "framework/study/sweep/worker.hpp"
 
 namespace tomlin {

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "framework/study/sweep/journal.hpp"
-#include "framework/study/sweep/plan.hpp"
+#include "framework/study/sweep/sweep_journal.hpp"
+#include "framework/study/sweep/sweep_plan.hpp"
 
 /// Parts of one sweep, each with a journal of its own, are made one record by record.
 namespace tomlin {

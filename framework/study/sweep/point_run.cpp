@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 
 #include "framework/core/text/fault.hpp"
-#include "framework/run/observables.hpp"
-#include "framework/study/accuracy.hpp"
-#include "framework/study/methods.hpp"
+#include "framework/run/results/observables.hpp"
+#include "framework/study/accuracy/accuracy.hpp"
+#include "framework/study/tradeoff/methods.hpp"
 
 namespace tomlin {
 namespace {

@@ -7,9 +7,9 @@
 #include <optional>
 
 #include "framework/run/engine.hpp"
-#include "framework/study/sweep/plan.hpp"
 #include "framework/study/sweep/point_checkpoint.hpp"
 #include "framework/study/sweep/row.hpp"
+#include "framework/study/sweep/sweep_plan.hpp"
 
 namespace tomlin {
 

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "framework/study/sweep/journal.hpp"
-#include "framework/study/sweep/plan.hpp"
+#include "framework/study/sweep/sweep_journal.hpp"
+#include "framework/study/sweep/sweep_plan.hpp"
 
 namespace tomlin {
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "framework/study/sweep/part.hpp"
-#include "framework/study/sweep/plan.hpp"
 #include "framework/study/sweep/row.hpp"
+#include "framework/study/sweep/sweep_plan.hpp"
 
 namespace tomlin {
 

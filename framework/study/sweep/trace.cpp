@@ -7,7 +7,7 @@
 #include "framework/output/resumption.hpp"
 #include "framework/output/run_folder.hpp"
 #include "framework/study/recorded_run.hpp"
-#include "framework/study/trial_run.hpp"
+#include "framework/study/tradeoff/trial_run.hpp"
 
 namespace tomlin {
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <filesystem>
 
-#include "framework/study/sweep/plan.hpp"
+#include "framework/study/sweep/sweep_plan.hpp"
 
 namespace tomlin {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "framework/core/text/fault.hpp"
-#include "framework/run/lane_batch.hpp"
+#include "framework/run/steps/lane_batch.hpp"
 
 namespace tomlin {
 namespace {

@@ -8,10 +8,10 @@
 #include <optional>
 #include <vector>
 
-#include "framework/run/lane_batch.hpp"
-#include "framework/study/sweep/plan.hpp"
+#include "framework/run/steps/lane_batch.hpp"
 #include "framework/study/sweep/point_run.hpp"
 #include "framework/study/sweep/row.hpp"
+#include "framework/study/sweep/sweep_plan.hpp"
 
 namespace tomlin {
 

@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include "forcefields/register.hpp"
-#include "framework/bodies/register.hpp"
+#include "forcefields/register_forces.hpp"
+#include "framework/bodies/register_bodies.hpp"
 #include "framework/scene/scene.hpp"
-#include "integrators/register.hpp"
+#include "integrators/register_integrators.hpp"
 #include "tests/support/faults.hpp"
 
 namespace tomlin::test {

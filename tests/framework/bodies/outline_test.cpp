@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/run/events.hpp"
+#include "framework/run/events/events.hpp"
 #include "tests/framework/bodies/body_fixture.hpp"
 
 // Particles as a closed outline, and how bodies roll that are not round.

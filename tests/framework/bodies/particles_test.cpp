@@ -8,12 +8,12 @@
 
 #include <gtest/gtest.h>
 
-#include "forcefields/register.hpp"
-#include "framework/bodies/register.hpp"
+#include "forcefields/register_forces.hpp"
+#include "framework/bodies/register_bodies.hpp"
 #include "framework/core/text/number_file.hpp"
 #include "framework/scene/document.hpp"
 #include "framework/scene/scene.hpp"
-#include "integrators/register.hpp"
+#include "integrators/register_integrators.hpp"
 #include "tests/framework/output/temporary_folder.hpp"
 #include "tests/support/faults.hpp"
 

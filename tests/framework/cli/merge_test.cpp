@@ -14,8 +14,8 @@
 #include "framework/output/sweep_files.hpp"
 #include "framework/scene/scene_document.hpp"
 #include "framework/standard_registry.hpp"
-#include "framework/study/sweep/journal.hpp"
-#include "framework/study/sweep/plan.hpp"
+#include "framework/study/sweep/sweep_journal.hpp"
+#include "framework/study/sweep/sweep_plan.hpp"
 #include "tests/framework/cli/cli_fixture.hpp"
 
 /// `tomlin sweep --shard` and `tomlin merge` as a user sees them.

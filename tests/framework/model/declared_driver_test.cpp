@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "framework/model/model.hpp"
-#include "framework/run/observables.hpp"
+#include "framework/run/results/observables.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace tomlin::test {

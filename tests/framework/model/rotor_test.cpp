@@ -10,7 +10,7 @@
 #include "framework/core/numbers/constants.hpp"
 #include "framework/core/numbers/rotation_vector.hpp"
 #include "framework/model/principal_axes.hpp"
-#include "framework/run/observables.hpp"
+#include "framework/run/results/observables.hpp"
 #include "tests/support/resumed.hpp"
 #include "tests/support/scenes.hpp"
 

@@ -1,5 +1,3 @@
-#include "framework/model/tangent.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -11,6 +9,7 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
+#include "framework/model/force_tangent.hpp"
 #include "framework/model/model.hpp"
 #include "tests/support/ring_scenes.hpp"
 

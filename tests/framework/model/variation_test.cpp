@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/run/observables.hpp"
+#include "framework/run/results/observables.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace tomlin::test {

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "framework/run/observables.hpp"
+#include "framework/run/results/observables.hpp"
 #include "framework/scene/language.hpp"
 #include "tests/support/results.hpp"
 

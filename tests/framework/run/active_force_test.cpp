@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/run/observables.hpp"
+#include "framework/run/results/observables.hpp"
 #include "tests/support/order.hpp"
 #include "tests/support/resumed.hpp"
 #include "tests/support/ring_scenes.hpp"

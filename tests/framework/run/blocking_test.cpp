@@ -1,4 +1,4 @@
-#include "framework/run/blocking.hpp"
+#include "framework/run/window/blocking.hpp"
 
 #include <cmath>
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include "framework/run/determined.hpp"
+#include "framework/run/guard/determined.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/run/disturbance.hpp"
+#include "framework/run/guard/disturbance.hpp"
 #include "tests/support/memory_store.hpp"
 #include "tests/support/ring_scenes.hpp"
 

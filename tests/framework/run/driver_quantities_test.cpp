@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/run/observables.hpp"
+#include "framework/run/results/observables.hpp"
 #include "tests/support/ring_scenes.hpp"
 
 // Components of mean forces along and across the pull, how much forces vary, what is dissipated in

@@ -1,4 +1,4 @@
-#include "framework/run/energy_balance.hpp"
+#include "framework/run/guard/energy_balance.hpp"
 
 #include <cmath>
 #include <optional>

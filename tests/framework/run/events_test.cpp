@@ -1,4 +1,4 @@
-#include "framework/run/events.hpp"
+#include "framework/run/events/events.hpp"
 
 #include <algorithm>
 #include <cmath>

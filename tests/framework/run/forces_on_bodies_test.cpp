@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/run/observables.hpp"
+#include "framework/run/results/observables.hpp"
 #include "tests/support/ring_scenes.hpp"
 
 // forces.NAME.on.BODY.mean_force: against the drivers' own running integrals, and against momentum,

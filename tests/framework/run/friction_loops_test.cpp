@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/run/observables.hpp"
+#include "framework/run/results/observables.hpp"
 #include "tests/support/order.hpp"
 #include "tests/support/ring_scenes.hpp"
 

@@ -1,4 +1,4 @@
-#include "framework/run/lane_batch.hpp"
+#include "framework/run/steps/lane_batch.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "framework/run/context.hpp"
-#include "framework/run/observables.hpp"
+#include "framework/run/results/observables.hpp"
 #include "tests/support/ring_scenes.hpp"
 
 /// Runs in lanes have the bits that they have alone: of the whole state and of every result.

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/run/observables.hpp"
+#include "framework/run/results/observables.hpp"
 #include "tests/support/scenes.hpp"
 
 // Noise has the same bits on every run and instruction set, and after every resumption: no

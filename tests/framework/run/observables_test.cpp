@@ -1,4 +1,4 @@
-#include "framework/run/observables.hpp"
+#include "framework/run/results/observables.hpp"
 
 #include <cmath>
 #include <limits>

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "framework/core/numbers/random.hpp"
-#include "framework/run/extremes.hpp"
+#include "framework/run/events/extremes.hpp"
 #include "tests/support/ring_scenes.hpp"
 
 // Extremes, static forces, and rotations that go round many times.

@@ -1,4 +1,4 @@
-#include "framework/run/selection.hpp"
+#include "framework/run/results/selection.hpp"
 
 #include <string>
 #include <vector>
@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "framework/core/text/fault.hpp"
-#include "framework/run/observables.hpp"
+#include "framework/run/results/observables.hpp"
 #include "tests/support/ring_scenes.hpp"
 
 // [measure] observables: what is not asked for is neither looked at nor reported, and what is asked

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/run/blocked_series.hpp"
+#include "framework/run/window/blocked_series.hpp"
 #include "tests/support/ring_scenes.hpp"
 
 // Numbers of slips in the window, against the events that the run leaves, and the stiffness of what

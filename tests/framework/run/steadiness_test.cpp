@@ -1,4 +1,4 @@
-#include "framework/run/steadiness.hpp"
+#include "framework/run/window/steadiness.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "framework/run/time_scale.hpp"
+#include "framework/run/window/time_scale.hpp"
 
 #include <algorithm>
 #include <cmath>

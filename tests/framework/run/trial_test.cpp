@@ -1,4 +1,4 @@
-#include "framework/run/trial.hpp"
+#include "framework/run/guard/trial.hpp"
 
 #include <cmath>
 

@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/run/blocking.hpp"
-#include "framework/run/observables.hpp"
-#include "framework/run/plan.hpp"
+#include "framework/run/results/observables.hpp"
+#include "framework/run/steps/run_plan.hpp"
+#include "framework/run/window/blocking.hpp"
 #include "tests/support/scenes.hpp"
 
 // [run] until = { error = ..., of = ... }: a run ends as soon as the statistical error of a mean is

@@ -1,4 +1,4 @@
-#include "framework/study/accuracy.hpp"
+#include "framework/study/accuracy/accuracy.hpp"
 
 #include <atomic>
 #include <cmath>
@@ -12,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/run/observables.hpp"
+#include "framework/run/results/observables.hpp"
 #include "tests/support/memory_store.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/scenes.hpp"

@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "framework/core/numbers/constants.hpp"
-#include "framework/run/observables.hpp"
-#include "framework/study/accuracy.hpp"
+#include "framework/run/results/observables.hpp"
+#include "framework/study/accuracy/accuracy.hpp"
 #include "framework/study/compare.hpp"
 #include "tests/support/scenes.hpp"
 

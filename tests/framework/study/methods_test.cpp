@@ -1,11 +1,11 @@
-#include "framework/study/methods.hpp"
+#include "framework/study/tradeoff/methods.hpp"
 
 #include <atomic>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "framework/study/trial_run.hpp"
+#include "framework/study/tradeoff/trial_run.hpp"
 #include "tests/support/ring_scenes.hpp"
 
 namespace tomlin::test {

@@ -1,12 +1,12 @@
-#include "framework/study/sensitivity.hpp"
+#include "framework/study/tradeoff/sensitivity.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "framework/run/observables.hpp"
-#include "framework/study/methods.hpp"
+#include "framework/run/results/observables.hpp"
+#include "framework/study/tradeoff/methods.hpp"
 #include "tests/support/ring_scenes.hpp"
 
 // A spread is judged by the tolerance, by the errors of integration and by digits.

@@ -1,4 +1,4 @@
-#include "framework/study/tradeoff.hpp"
+#include "framework/study/tradeoff/tradeoff.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/run/observables.hpp"
+#include "framework/run/results/observables.hpp"
 #include "framework/scene/document.hpp"
 #include "tests/support/ring_scenes.hpp"
 

@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "framework/run/observables.hpp"
+#include "framework/run/results/observables.hpp"
 #include "framework/scene/natural_units.hpp"
-#include "framework/study/accuracy.hpp"
-#include "framework/study/tradeoff.hpp"
+#include "framework/study/accuracy/accuracy.hpp"
+#include "framework/study/tradeoff/tradeoff.hpp"
 #include "tests/support/other_units.hpp"
 #include "tests/support/scenes.hpp"
 
