@@ -68,18 +68,18 @@ inline std::string held_to(const std::string& type, double h) {
   return "{ type = \"" + type + "\", dt = " + digits(h) + " }";
 }
 
-inline const ResultGroup& driver_of(const RunResult& result, const std::string& name) {
+inline const ResultGroup& driver_of(const RunResult& result, std::string_view name) {
   for (const ResultGroup& driver : result.family("drivers")) {
     if (driver.name == name) return driver;
   }
-  throw std::logic_error("no driver " + name);
+  throw std::logic_error("no driver " + std::string(name));
 }
 
-inline const ResultGroup& body_of(const RunResult& result, const std::string& name) {
+inline const ResultGroup& body_of(const RunResult& result, std::string_view name) {
   for (const ResultGroup& body : result.family("bodies")) {
     if (body.name == name) return body;
   }
-  throw std::logic_error("no body " + name);
+  throw std::logic_error("no body " + std::string(name));
 }
 
 /// The faults that a scene is refused with, as one text; empty when it is not.
@@ -123,7 +123,7 @@ class KeptSamples : public RunSink {
     for (std::size_t k = 0; k < names.size(); ++k) {
       if (names[k] == name) return k;
     }
-    throw std::logic_error("no column " + name);
+    throw std::logic_error("no column " + std::string(name));
   }
 
   std::vector<std::string> names;
@@ -150,7 +150,7 @@ inline std::vector<double> field_of(Engine& engine, const std::string& name) {
     const double* from = engine.state().reals(name);
     return std::vector<double>(from, from + field.count);
   }
-  throw std::logic_error("no field " + name);
+  throw std::logic_error("no field " + std::string(name));
 }
 
 inline std::vector<std::int64_t> integers_of(Engine& engine, const std::string& name) {
@@ -159,7 +159,7 @@ inline std::vector<std::int64_t> integers_of(Engine& engine, const std::string& 
     const std::int64_t* from = engine.state().integers(name);
     return std::vector<std::int64_t>(from, from + field.count);
   }
-  throw std::logic_error("no field " + name);
+  throw std::logic_error("no field " + std::string(name));
 }
 
 /// State of the equations of motion: it may not depend on who observes it.

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <string>
+#include <string_view>
 
 #include <gtest/gtest.h>
 
@@ -21,11 +22,11 @@ constexpr double kDifferences = 1e-11;
 
 Scales scales(const std::string& text) { return scales_of(scene_of(text)); }
 
-const ForceScale& of(const Scales& scales, const std::string& force) {
+const ForceScale& of(const Scales& scales, std::string_view force) {
   for (const ForceScale& scale : scales.forces) {
     if (scale.force == force) return scale;
   }
-  throw std::logic_error("no force " + force);
+  throw std::logic_error("no force " + std::string(force));
 }
 
 TEST(Scales, OfATip) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <string>
+#include <string_view>
 
 #include <gtest/gtest.h>
 
@@ -33,11 +34,11 @@ RingScene ring(double decay, const std::string& keys) {
           .more = keys + "[measure]\nin = \"driver_periods\"\nfrom = 1\n"};
 }
 
-const DeterminedResult& of(const RunResult& result, const std::string& path) {
+const DeterminedResult& of(const RunResult& result, std::string_view path) {
   for (const DeterminedResult& one : result.determined) {
     if (one.path == path) return one;
   }
-  throw std::logic_error(path);
+  throw std::logic_error(std::string(path));
 }
 
 constexpr const char* kForce = "drivers.driver.mean_force.x";

@@ -7,6 +7,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -272,7 +273,7 @@ const std::vector<LaneCase>& lane_cases() {
   return cases;
 }
 
-const LaneCase& lane_case(const std::string& name) {
+const LaneCase& lane_case(std::string_view name) {
   return *std::find_if(lane_cases().begin(), lane_cases().end(),
                        [&](const LaneCase& one) { return one.name == name; });
 }

@@ -15,11 +15,11 @@ std::vector<Method> ladder_of(const std::string& text) {
   return methods_for(Variants(scene_of(text), standard()));
 }
 
-const Method& named(const std::vector<Method>& methods, const std::string& name) {
+const Method& named(const std::vector<Method>& methods, std::string_view name) {
   for (const Method& method : methods) {
     if (method.name == name) return method;
   }
-  throw std::logic_error("no method " + name);
+  throw std::logic_error("no method " + std::string(name));
 }
 
 bool has(const std::vector<Method>& methods, const std::string& name) {
