@@ -123,7 +123,7 @@ class KeptSamples : public RunSink {
     for (std::size_t k = 0; k < names.size(); ++k) {
       if (names[k] == name) return k;
     }
-    throw std::logic_error("no column " + std::string(name));
+    throw std::logic_error("no column " + name);
   }
 
   std::vector<std::string> names;
@@ -150,7 +150,7 @@ inline std::vector<double> field_of(Engine& engine, const std::string& name) {
     const double* from = engine.state().reals(name);
     return std::vector<double>(from, from + field.count);
   }
-  throw std::logic_error("no field " + std::string(name));
+  throw std::logic_error("no field " + name);
 }
 
 inline std::vector<std::int64_t> integers_of(Engine& engine, const std::string& name) {
@@ -159,7 +159,7 @@ inline std::vector<std::int64_t> integers_of(Engine& engine, const std::string& 
     const std::int64_t* from = engine.state().integers(name);
     return std::vector<std::int64_t>(from, from + field.count);
   }
-  throw std::logic_error("no field " + std::string(name));
+  throw std::logic_error("no field " + name);
 }
 
 /// State of the equations of motion: it may not depend on who observes it.
