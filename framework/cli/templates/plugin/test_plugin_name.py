@@ -27,7 +27,7 @@ def main():
     # x = A cos(w t), v = -A w sin(w t) with w = sqrt(k/m), at w t = pi/2.
     speed = numbers["A"] * math.sqrt(numbers["k"] / numbers["m"])
     errors = [abs(body["centre_of_mass"][0]), abs(body["velocity"][0] + speed) / speed]
-    print(f"location and velocity are off by {errors[0]:.1e} and {errors[1]:.1e}")
+    print(f"position and velocity are off by {errors[0]:.1e} and {errors[1]:.1e}")
     return 0 if max(errors) < TOLERANCE else 1
 
 
