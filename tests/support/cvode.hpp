@@ -3,6 +3,7 @@
 #ifdef TOMLIN_HAS_CVODE
 
 #include <algorithm>
+#include <cstddef>
 #include <functional>
 #include <stdexcept>
 #include <utility>
@@ -24,7 +25,7 @@ class Cvode {
   /// `method`: CV_ADAMS or CV_BDF; both solve their equations by Newton's iteration.
   Cvode(Equations equations, std::vector<double> start, int method, double tolerance)
       : equations_(std::move(equations)), start_(std::move(start)) {
-    check(SUNContext_Create(nullptr, &context_));
+    check(SUNContext_Create(kNoCommunicator, &context_));
     const auto n = static_cast<sunindextype>(start_.size());
     y_ = N_VMake_Serial(n, start_.data(), context_);
     matrix_ = SUNDenseMatrix(n, n, context_);
@@ -65,6 +66,11 @@ class Cvode {
 
   Equations equations_;
   std::vector<double> start_;
+#ifdef SUN_COMM_NULL  // since SUNDIALS 7, where MPI may have a value of its own for it
+  static inline const SUNComm kNoCommunicator = SUN_COMM_NULL;
+#else
+  static constexpr std::nullptr_t kNoCommunicator = nullptr;
+#endif
   SUNContext context_ = nullptr;
   N_Vector y_ = nullptr;
   SUNMatrix matrix_ = nullptr;
