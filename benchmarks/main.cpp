@@ -12,12 +12,22 @@
 
 namespace {
 
+/// Whether a benchmark was skipped with an error: the library has two names for it.
+template <class Run>
+bool failed(const Run& run) {
+  if constexpr (requires { run.error_occurred; }) {
+    return run.error_occurred;
+  } else {
+    return run.skipped != decltype(run.skipped){};
+  }
+}
+
 class RatioReporter : public benchmark::ConsoleReporter {
  public:
   void ReportRuns(const std::vector<Run>& runs) override {
     for (const Run& run : runs) {
       const bool median = run.run_type == Run::RT_Aggregate && run.aggregate_name == "median";
-      if ((run.run_type == Run::RT_Iteration || median) && !run.error_occurred) {
+      if ((run.run_type == Run::RT_Iteration || median) && !failed(run)) {
         const auto counter = run.counters.find("s_per_step");
         if (counter != run.counters.end()) {
           times_[run.run_name.function_name].push_back(1e9 * counter->second.value);
