@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <string>
 #include <vector>
 
 #include <benchmark/benchmark.h>
 
+#include "benchmarks/counters.hpp"
 #include "benchmarks/evaluated_scene.hpp"
 
 namespace {
@@ -58,11 +58,7 @@ std::vector<Point> crystal_positions() {
 std::size_t element(std::size_t atom) { return atom % 2; }
 
 std::string scene() {
-  const auto digits = [](double x) {
-    char number[40];
-    std::snprintf(number, sizeof number, "%.17g", x);
-    return std::string(number);
-  };
+  using tomlin::digits;
   std::string positions;
   std::string species;
   for (const Point& position : crystal_positions()) {
@@ -214,17 +210,11 @@ class PlainCarbide {
   std::vector<Point> force;
 };
 
-void count_evaluations(benchmark::State& state) {
-  state.counters["s_per_step"] =
-      benchmark::Counter(static_cast<double>(state.iterations()),
-                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
-}
-
 void BM_carbide(benchmark::State& state) {
   // Leaked on purpose, as in engine_benchmark.cpp.
   auto& crystal = *new tomlin::EvaluatedScene(scene());
   for (auto _ : state) crystal.evaluate();
-  count_evaluations(state);
+  tomlin::count_steps(state);
 }
 BENCHMARK(BM_carbide)->Name("carbide_216/tomlin")->Unit(benchmark::kMicrosecond);
 
@@ -241,7 +231,7 @@ void BM_carbide_plain(benchmark::State& state) {
   }
   if (!(most < 1e-9)) state.SkipWithError("the forces of the loop differ from the engine's");
   for (auto _ : state) plain.evaluate();
-  count_evaluations(state);
+  tomlin::count_steps(state);
 }
 BENCHMARK(BM_carbide_plain)->Name("carbide_216/plain")->Unit(benchmark::kMicrosecond);
 

@@ -14,6 +14,7 @@
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
+#include "benchmarks/counters.hpp"
 #include "benchmarks/plain_loops.hpp"
 #include "framework/model/friction_tables.hpp"
 #include "framework/model/single_force.hpp"
@@ -54,6 +55,18 @@ const Registry& registry_of_plugins() {
   }();
   return all;
 }
+
+/// The scene with another scheme and its own step.
+std::vector<Setting> scheme(const std::string& name) {
+  return {{"run.integrator.type", "\"" + name + "\""}};
+}
+
+std::vector<Setting> adaptive(const std::string& name) {
+  return {{"run.integrator", "{ type = \"" + name + "\" }"}};
+}
+
+/// The phases of particles at this spacing fill the period of the substrate.
+const std::string kGolden = "1.618033988749895";
 
 const std::string kPt = R"--(
 [[body]]
@@ -198,34 +211,8 @@ void run(benchmark::State& state, Engine& engine, std::uint64_t batch) {
   if (engine.done()) state.SkipWithError("the run ended");
   const double steps = static_cast<double>(state.iterations()) * static_cast<double>(batch);
   state.SetItemsProcessed(static_cast<std::int64_t>(steps));
-  state.counters["s_per_step"] =
-      benchmark::Counter(steps, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  count_steps(state, steps);
 }
-
-void BM_pt(benchmark::State& state) {
-  static Engine& engine = engine_for(kPt);
-  run(state, engine, 64);
-}
-BENCHMARK(BM_pt)->Name("pt/tomlin");
-
-/// Nothing slips, so that the static force is looked for in every step.
-void BM_pt_smooth(benchmark::State& state) {
-  static Engine& engine = engine_for(kPt, {{"force.sinusoidal_substrate.amplitude", "0.02"}});
-  run(state, engine, 64);
-}
-BENCHMARK(BM_pt_smooth)->Name("pt/smooth");
-
-void BM_flexible_ring(benchmark::State& state) {
-  static Engine& engine = engine_for(ring("particles", "1e-4"));
-  run(state, engine, 16);
-}
-BENCHMARK(BM_flexible_ring)->Name("flexible_ring_8/tomlin");
-
-void BM_rigid_ring(benchmark::State& state) {
-  static Engine& engine = engine_for(ring("rigid", "1e-2"));
-  run(state, engine, 16);
-}
-BENCHMARK(BM_rigid_ring)->Name("rigid_ring_8/tomlin");
 
 /// Rigid in space, as plain::RigidBox.
 std::string rigid_box() {
@@ -276,27 +263,9 @@ void BM_rigid_box(benchmark::State& state) {
 }
 BENCHMARK(BM_rigid_box)->Name("rigid_box_24/tomlin");
 
-void BM_chain_1000(benchmark::State& state) {
-  static Engine& engine = engine_for(chain("1000", "1.0"));
-  run(state, engine, 1);
-}
-BENCHMARK(BM_chain_1000)->Name("chain_1000/tomlin");
-
-void BM_flake_1000(benchmark::State& state) {
-  static Engine& engine = engine_for(flake(40, 25, 1.618033988749895));
-  run(state, engine, 1);
-}
-BENCHMARK(BM_flake_1000)->Name("flake_1000/tomlin");
-
-void BM_golden_chain_1000(benchmark::State& state) {
-  static Engine& engine = engine_for(chain("1000", "1.618033988749895"));
-  run(state, engine, 1);
-}
-BENCHMARK(BM_golden_chain_1000)->Name("golden_chain_1000/tomlin");
-
 /// The energy of bonds and substrate, as at both ends of what the balance of a run looks at.
 void BM_chain_energy_1000(benchmark::State& state) {
-  static Engine& engine = engine_for(chain("1000", "1.618033988749895"));
+  static Engine& engine = engine_for(chain("1000", kGolden));
   const SystemView<double>& view = engine.model().system().view;
   const Stage<double> here = stage_of(view, view.position, view.velocity, view.integrals,
                                       static_cast<double*>(nullptr), 0.0);
@@ -305,17 +274,9 @@ void BM_chain_energy_1000(benchmark::State& state) {
     for (const Model::Force& force : engine.model().forces()) total += force.energy(here);
     benchmark::DoNotOptimize(total);
   }
-  state.counters["s_per_step"] =
-      benchmark::Counter(static_cast<double>(state.iterations()),
-                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  count_steps(state);
 }
 BENCHMARK(BM_chain_energy_1000)->Name("chain_energy_1000/tomlin");
-
-void BM_golden_chain_100000(benchmark::State& state) {
-  static Engine& engine = engine_for(chain("100000", "1.618033988749895"));
-  run(state, engine, 1);
-}
-BENCHMARK(BM_golden_chain_100000)->Name("golden_chain_100000/tomlin");
 
 // ---- what it costs to watch the energy balance: whole runs, from the text of the scene to the
 // result, with it and without by turns. The ratio of the medians is the figure.
@@ -359,8 +320,8 @@ void register_watched() {
        {Watched{"pt", kPt, "1e-2"}, Watched{"rigid_ring_8", ring("rigid", "1e-2"), "1e-2"},
         Watched{"flexible_ring_8", ring("particles", "1e-4"), "1e-4"},
         Watched{"chain_1000", chain("1000", "1.0"), "1e-2"},
-        Watched{"pt baoab", kPt, "1e-2", {{"run.integrator.type", "\"baoab\""}}},
-        Watched{"pt dopri5", kPt, "0.1", {{"run.integrator", "{ type = \"dopri5\" }"}}},
+        Watched{"pt baoab", kPt, "1e-2", scheme("baoab")},
+        Watched{"pt dopri5", kPt, "0.1", adaptive("dopri5")},
         Watched{"pt overdamped", kPt, "1e-2", overdamped}}) {
     for (const std::string steps : {"100", "1000", "1e4"}) {
       benchmark::RegisterBenchmark((one.model + " " + steps + " steps/watched").c_str(),
@@ -455,12 +416,12 @@ const std::vector<Variant>& common_variants() {
       {"ledger", {{"run.ledger", "true"}}},
       {"sample every 100 steps", {{"output.every", "100 * 1e-2"}}},
       {"quadruple", {{"run.number_type", "\"quadruple\""}}, 1},
-      {"midpoint", {{"run.integrator.type", "\"midpoint\""}}},
-      {"velocity_verlet", {{"run.integrator.type", "\"velocity_verlet\""}}},
+      {"midpoint", scheme("midpoint")},
+      {"velocity_verlet", scheme("velocity_verlet")},
       {"overdamped", {{"run.dynamics", "\"overdamped\""}}},
-      {"dopri5", {{"run.integrator", "{ type = \"dopri5\" }"}}, 1},
-      {"radau9", {{"run.integrator", "{ type = \"radau9\" }"}}, 1},
-      {"dop853", {{"run.integrator", "{ type = \"dop853\" }"}}, 1},
+      {"dopri5", adaptive("dopri5"), 1},
+      {"radau9", adaptive("radau9"), 1},
+      {"dop853", adaptive("dop853"), 1},
   };
   return variants;
 }
@@ -469,12 +430,6 @@ const std::vector<Variant>& common_variants() {
 std::string without_friction(std::string scene) {
   const auto from = scene.find("[[force]]\ntype = \"viscous_damping\"");
   return scene.erase(from, scene.find("[[", from + 2) - from);
-}
-
-const std::vector<Variant>& symplectic_variants() {
-  static const std::vector<Variant> variants = {
-      {"blanes_moan", {{"run.integrator.type", "\"blanes_moan\""}}}};
-  return variants;
 }
 
 std::string with_text(std::string scene, const std::string& from, const std::string& until,
@@ -520,28 +475,31 @@ void register_formulas() {
   register_variants("flexible_ring_8", substrate_as_formula(ring("particles", "1e-4"), corrugation),
                     substrate);
   register_variants("chain_1000", substrate_as_formula(chain("1000", "1.0"), wave), substrate);
-  register_variants("golden_chain_1000",
-                    substrate_as_formula(chain("1000", "1.618033988749895"), wave), substrate);
+  register_variants("golden_chain_1000", substrate_as_formula(chain("1000", kGolden), wave),
+                    substrate);
   register_variants("pt", driver_as_formula(kPt), {{"spring as a formula that drives", {}, 64}});
   register_variants("chain_1000", bonds_as_formula(chain("1000", "1.0"), "0.5*(r - 1)^2"), bonds);
 }
 
 // ---- a point of a sweep: what it costs besides its steps, of which it has one
 
-void BM_sweep_point(benchmark::State& state) {
+/// Tips of which only a number changes.
+SweepPlan sweep_of_tips(const std::string& duration) {
   SweepSettings sweep;
   sweep.over.push_back({"force.driving_spring.stiffness",
                         std::get<SweepValues>(SweepValues::parse("1:3:1000")),
                         {"--over"},
                         "1:3:1000"});
   sweep.observables = {"driving_spring.mean_force.x"};
-  const SweepPlan plan(SceneDocument(kPt, "benchmark.toml"), registry(), {{"run.duration", "1e-2"}},
-                       sweep, "");
+  return SweepPlan(SceneDocument(kPt, "benchmark.toml"), registry(), {{"run.duration", duration}},
+                   sweep, "");
+}
+
+void BM_sweep_point(benchmark::State& state) {
+  const SweepPlan plan = sweep_of_tips("1e-2");
   std::size_t point = 0;
   for (auto _ : state) benchmark::DoNotOptimize(run_point(plan, point++ % plan.points()));
-  state.counters["s_per_step"] =
-      benchmark::Counter(static_cast<double>(state.iterations()),
-                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  count_steps(state);
 }
 BENCHMARK(BM_sweep_point)->Name("pt sweep/tomlin");
 
@@ -560,24 +518,15 @@ class Points : public PointSource {
   std::size_t left_;
 };
 
-/// Short runs of a tip in lanes, of which only a number changes. Time of a point.
+/// Short runs of a tip in lanes. Time of a point.
 void BM_sweep_in_lanes(benchmark::State& state) {
   constexpr std::size_t kPoints = 1024;
-  SweepSettings sweep;
-  sweep.over.push_back({"force.driving_spring.stiffness",
-                        std::get<SweepValues>(SweepValues::parse("1:3:1000")),
-                        {"--over"},
-                        "1:3:1000"});
-  sweep.observables = {"driving_spring.mean_force.x"};
-  const SweepPlan plan(SceneDocument(kPt, "benchmark.toml"), registry(),
-                       {{"run.duration", "1000 * 1e-2"}}, sweep, "");
+  const SweepPlan plan = sweep_of_tips("1000 * 1e-2");
   for (auto _ : state) {
     Points points(plan.points(), kPoints);
     SweepWorker(plan, points, {.most_at_once = kPoints}).work();
   }
-  state.counters["s_per_step"] =
-      benchmark::Counter(static_cast<double>(state.iterations()) * kPoints,
-                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  count_steps(state, static_cast<double>(state.iterations()) * kPoints);
 }
 BENCHMARK(BM_sweep_in_lanes)->Name("pt sweep of 1000 steps/tomlin");
 
@@ -623,8 +572,7 @@ void BM_replicas(benchmark::State& state, const std::string& scene, std::size_t 
     }
     for (const auto& engine : engines) steps += engine->steps();
   }
-  state.counters["s_per_step"] = benchmark::Counter(
-      static_cast<double>(steps), benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  count_steps(state, static_cast<double>(steps));
 }
 
 void register_replicas() {
@@ -639,8 +587,7 @@ void register_replicas() {
   const std::vector<std::string> watched = {
       "driving_spring.mean_force.x", "driving_spring.max_force.x", "driving_spring.min_force.x",
       "driving_spring.static_force", "events.slips"};
-  const Setting adaptive = {"run.integrator", "{ type = \"dopri5\" }"};
-  const Setting baoab = {"run.integrator.type", "\"baoab\""};
+  const Setting baoab = scheme("baoab").front();
   const std::vector<Replicas> all = {
       {"pt", kPt, 64, {{"run.duration", "4e3"}}},
       // These keep a ledger of their own in lanes.
@@ -671,7 +618,10 @@ void register_replicas() {
        {{"run.duration", "1e3"}, baoab}},
       {"rigid_ring_8", ring("rigid", "1e-2"), 16, {{"run.duration", "1e3"}}},
       {"flexible_ring_8", ring("particles", "1e-4"), 16, {{"run.duration", "10"}}},
-      {"rigid_ring_8 dopri5", ring("rigid", "1e-2"), 16, {{"run.duration", "5e4"}, adaptive}},
+      {"rigid_ring_8 dopri5",
+       ring("rigid", "1e-2"),
+       16,
+       {{"run.duration", "5e4"}, adaptive("dopri5").front()}},
   };
   for (const Replicas& one : all) {
     for (const Taken taken : {Taken::in_lanes, Taken::alone}) {
@@ -687,7 +637,7 @@ void register_replicas() {
 
 // ---- one force alone ----------------------------------------------------------------------------
 
-const std::string kGoldenChain = "type = \"chain\"\ncount = 1000\nspacing = 1.618033988749895\n";
+const std::string kGoldenChain = "type = \"chain\"\ncount = 1000\nspacing = " + kGolden + "\n";
 /// In the plane, where it bends: the particles of plain::Bending.
 const std::string kRing = "type = \"ring\"\ncount = 1000\nradius = 100.0\ncentre = [0.0, 0.0]\n";
 
@@ -731,9 +681,7 @@ void BM_normals(benchmark::State& state) {
     table.fill_in_lanes(&lanes, {}, step++, numbers.data());
     benchmark::ClobberMemory();
   }
-  state.counters["s_per_step"] =
-      benchmark::Counter(static_cast<double>(state.iterations() * kTips),
-                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  count_steps(state, static_cast<double>(state.iterations() * kTips));
 }
 BENCHMARK(BM_normals)->Name("normals of replicas/tomlin");
 
@@ -747,9 +695,6 @@ std::string with_links(const std::string& scene) {
 
 /// Each step with its thermostat, and without.
 void register_thermostats(const std::string& model, const std::string& scene) {
-  const auto scheme = [](const char* name) {
-    return std::vector<Setting>{{"run.integrator.type", "\"" + std::string(name) + "\""}};
-  };
   register_variants(model, scene, {{"baoab without noise", scheme("baoab"), 64}});
   register_variants(model, with_noise(scene),
                     {{"baoab", scheme("baoab"), 64}, {"gjf", scheme("gjf"), 64}});
@@ -758,9 +703,7 @@ void register_thermostats(const std::string& model, const std::string& scene) {
 
 void evaluate(benchmark::State& state, SingleForce& alone) {
   for (auto _ : state) benchmark::DoNotOptimize(alone.forces(0.0));
-  state.counters["s_per_step"] =
-      benchmark::Counter(static_cast<double>(state.iterations()),
-                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  count_steps(state);
 }
 
 /// All evaluations of a scene's only force, none of the engine's other work.
@@ -846,6 +789,19 @@ std::vector<Variant> asked_for_one() {
 }
 
 [[maybe_unused]] const bool registered = [] {
+  const std::vector<Variant> blocks_of_64 = {{"tomlin", {}, 64}};
+  const std::vector<Variant> blocks_of_16 = {{"tomlin", {}}};
+  const std::vector<Variant> single_steps = {{"tomlin", {}, 1}};
+  register_variants("pt", kPt, blocks_of_64);
+  // Nothing slips, so that the static force is looked for in every step.
+  register_variants("pt", kPt,
+                    {{"smooth", {{"force.sinusoidal_substrate.amplitude", "0.02"}}, 64}});
+  register_variants("flexible_ring_8", ring("particles", "1e-4"), blocks_of_16);
+  register_variants("rigid_ring_8", ring("rigid", "1e-2"), blocks_of_16);
+  register_variants("chain_1000", chain("1000", "1.0"), single_steps);
+  register_variants("flake_1000", flake(40, 25, 1.618033988749895), single_steps);
+  register_variants("golden_chain_1000", chain("1000", kGolden), single_steps);
+  register_variants("golden_chain_100000", chain("100000", kGolden), single_steps);
   register_watched();
   register_variants("pt", kPt, asked_for_one());
   register_variants("rigid_ring_8", ring("rigid", "1e-2"), asked_for_one());
@@ -856,17 +812,18 @@ std::vector<Variant> asked_for_one() {
   register_variants("flexible_ring_8", ring("particles", "1e-4"), asked_for_one());
   register_variants("chain_1000", chain("1000", "1.0"), asked_for_one());
   register_variants("pt", kPt, common_variants());
-  register_variants("pt", without_friction(kPt), symplectic_variants());
-  register_variants("rigid_ring_8", without_friction(ring("rigid", "1e-2")), symplectic_variants());
-  register_variants("chain_1000", without_friction(chain("1000", "1.0")), symplectic_variants());
+  const std::vector<Variant> symplectic = {{"blanes_moan", scheme("blanes_moan")}};
+  register_variants("pt", without_friction(kPt), symplectic);
+  register_variants("rigid_ring_8", without_friction(ring("rigid", "1e-2")), symplectic);
+  register_variants("chain_1000", without_friction(chain("1000", "1.0")), symplectic);
   register_variants("pt", kPt, sampled("1e-2"));
   register_variants("flexible_ring_8", ring("particles", "1e-4"), sampled("1e-4"));
   register_variants("rigid_ring_8", ring("rigid", "1e-2"), sampled("1e-2"));
   register_variants("chain_1000", chain("1000", "1.0"), sampled("1e-2"));
   register_variants("rigid_ring_8", ring("rigid", "1e-2"), common_variants());
-  register_variants("flexible_ring_8", ring("particles", "1e-4"),
-                    {{"exponential_verlet", {{"run.integrator.type", "\"exponential_verlet\""}}},
-                     {"radau9", {{"run.integrator", "{ type = \"radau9\" }"}}, 1}});
+  register_variants(
+      "flexible_ring_8", ring("particles", "1e-4"),
+      {{"exponential_verlet", scheme("exponential_verlet")}, {"radau9", adaptive("radau9"), 1}});
   register_variants("rigid_ring_8", ring("rigid", "1e-2"),
                     {{"1e9 periods out", {{"body.ring.centre", "[1e9, 1.0]"}}}});
   register_variants("chain_1000", chain("1000", "1.0"), common_variants());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdio>
 #include <string>
 
 #include "framework/core/system/aligned.hpp"
@@ -9,6 +10,13 @@
 #include "framework/standard_registry.hpp"
 
 namespace tomlin {
+
+/// All digits of a number.
+inline std::string digits(double x) {
+  char number[40];
+  std::snprintf(number, sizeof number, "%.17g", x);
+  return number;
+}
 
 /// Evaluates all forces of a scene with one body, where it starts.
 class EvaluatedScene {

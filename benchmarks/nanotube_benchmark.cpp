@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <memory>
 #include <numbers>
 #include <stdexcept>
@@ -16,6 +15,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include "benchmarks/counters.hpp"
 #include "benchmarks/evaluated_scene.hpp"
 #include "benchmarks/tersoff_twin.hpp"
 #include "framework/core/system/thread_team.hpp"
@@ -254,11 +254,7 @@ std::string scene(const std::string& contact) {
     positions += "[" + std::to_string(x[0]) + ", " + std::to_string(x[1]) + ", " +
                  std::to_string(x[2]) + "], ";
   }
-  const auto digits = [](double x) {
-    char number[40];
-    std::snprintf(number, sizeof number, "%.17g", x);
-    return std::string(number);
-  };
+  using tomlin::digits;
   const std::string length = digits(length_of_box());
   const std::string width = digits(40 * std::numbers::sqrt3 * kBond);
   std::string text = "[scene]\nunits = \"metal\"\n[box]\nlengths = [" + length + ", " + width +
@@ -279,51 +275,36 @@ std::string scene(const std::string& contact) {
   return text;
 }
 
-void count_steps(benchmark::State& state) {
-  state.counters["s_per_step"] =
-      benchmark::Counter(static_cast<double>(state.iterations()),
-                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
-}
-
-void run(benchmark::State& state, const std::string& text) {
+void BM_nanotube(benchmark::State& state, const std::string& contact) {
   static const tomlin::Registry components = tomlin::standard_registry();
   // Leaked on purpose, as in engine_benchmark.cpp.
-  auto& engine =
-      *new tomlin::Engine(tomlin::parse_scene(text, "benchmark.toml", components, {}), {});
+  auto& engine = *new tomlin::Engine(
+      tomlin::parse_scene(scene(contact), "benchmark.toml", components, {}), {});
   for (auto _ : state) engine.advance(1);
-  count_steps(state);
+  tomlin::count_steps(state);
 }
 
-void BM_nanotube(benchmark::State& state) { run(state, scene("")); }
-BENCHMARK(BM_nanotube)->Name("nanotube_800/tomlin")->Unit(benchmark::kMicrosecond);
-
-void BM_nanotube_on_graphene(benchmark::State& state) { run(state, scene("\"lennard_jones\"")); }
-BENCHMARK(BM_nanotube_on_graphene)
+BENCHMARK_CAPTURE(BM_nanotube, alone, "")
+    ->Name("nanotube_800/tomlin")
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(BM_nanotube, on_graphene, "\"lennard_jones\"")
     ->Name("nanotube_800 on graphene/tomlin")
     ->Unit(benchmark::kMicrosecond);
-
-void BM_nanotube_on_field(benchmark::State& state) {
-  run(state, scene("\"sheet_field\"\ntolerance = 1e-4"));
-}
-BENCHMARK(BM_nanotube_on_field)
+BENCHMARK_CAPTURE(BM_nanotube, on_field, "\"sheet_field\"\ntolerance = 1e-4")
     ->Name("nanotube_800 on field of graphene/tomlin")
     ->Unit(benchmark::kMicrosecond);
 
-void BM_plain_nanotube_on_field(benchmark::State& state) {
-  static PlainTube plain(true);
+void BM_plain_nanotube(benchmark::State& state, bool on_sheet) {
+  PlainTube plain(on_sheet);
   for (auto _ : state) plain.step();
-  count_steps(state);
+  tomlin::count_steps(state);
 }
-BENCHMARK(BM_plain_nanotube_on_field)
+BENCHMARK_CAPTURE(BM_plain_nanotube, on_field, true)
     ->Name("nanotube_800 on field of graphene/plain")
     ->Unit(benchmark::kMicrosecond);
-
-void BM_plain_nanotube(benchmark::State& state) {
-  static PlainTube plain(false);
-  for (auto _ : state) plain.step();
-  count_steps(state);
-}
-BENCHMARK(BM_plain_nanotube)->Name("nanotube_800/plain")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(BM_plain_nanotube, alone, false)
+    ->Name("nanotube_800/plain")
+    ->Unit(benchmark::kMicrosecond);
 
 // ---- one evaluation of Tersoff's potential, beside a twin in vectors ----------------------------
 
@@ -395,7 +376,7 @@ void BM_tersoff(benchmark::State& state) {
   // Leaked on purpose, as above.
   auto& evaluated = *new tomlin::EvaluatedScene(scene(""));
   for (auto _ : state) evaluated.evaluate();
-  count_steps(state);
+  tomlin::count_steps(state);
 }
 BENCHMARK(BM_tersoff)->Name("tersoff_800/tomlin")->Unit(benchmark::kMicrosecond);
 
@@ -413,7 +394,7 @@ void BM_tersoff_twin(benchmark::State& state) {
   }
   if (!(most < 1e-9)) state.SkipWithError("the forces of the twin differ from the engine's");
   for (auto _ : state) kernel(made);
-  count_steps(state);
+  tomlin::count_steps(state);
 }
 BENCHMARK(BM_tersoff_twin)->Name("tersoff_800/plain")->Unit(benchmark::kMicrosecond);
 
@@ -448,7 +429,7 @@ void BM_layers(benchmark::State& state) {
                                             "benchmark.toml", components, {}),
                         options);
   for (auto _ : state) engine.advance(1);
-  count_steps(state);
+  tomlin::count_steps(state);
 }
 BENCHMARK(BM_layers)
     ->Name("graphene on graphene (cells, threads)")

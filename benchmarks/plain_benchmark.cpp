@@ -1,180 +1,104 @@
-// Nanoseconds per RK4 step (four force evaluations) of the reference loops.
+// Nanoseconds per RK4 step (four force evaluations) of the reference loops, and per evaluation of
+// one force. They are named MODEL/plain and MODEL/plain_own_math: main.cpp holds the engine's
+// MODEL/tomlin against them.
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <numbers>
+#include <string>
+
 #include <benchmark/benchmark.h>
 
+#include "benchmarks/counters.hpp"
 #include "benchmarks/plain_loops.hpp"
 
 namespace {
 
 using namespace tomlin::plain;
 
+constexpr std::size_t kTips = 64;
+constexpr std::size_t kRings = 16;
+
 // The model outlives the call, so that repetitions go on along the trajectory rather than time its
 // beginning again and again.
-template <class Model>
-void run(benchmark::State& state, Model& model, std::int64_t batch, double h,
-         std::int64_t replicas = 1) {
-  for (auto _ : state) {
-    model.advance(batch, h);
-    benchmark::ClobberMemory();
-  }
-  const double steps =
-      static_cast<double>(state.iterations()) * static_cast<double>(batch * replicas);
-  state.SetItemsProcessed(static_cast<std::int64_t>(steps));
-  // An inverted rate is seconds per step, which is printed as such (57n: 57 nanoseconds).
-  state.counters["s_per_step"] =
-      benchmark::Counter(steps, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+template <class Model, class... Arguments>
+void register_steps(const std::string& name, std::int64_t batch, double h, std::size_t replicas,
+                    Arguments... arguments) {
+  const auto model = std::make_shared<Model>(arguments...);
+  benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) {
+    for (auto _ : state) {
+      model->advance(batch, h);
+      benchmark::ClobberMemory();
+    }
+    const double steps = static_cast<double>(state.iterations()) * static_cast<double>(batch) *
+                         static_cast<double>(replicas);
+    state.SetItemsProcessed(static_cast<std::int64_t>(steps));
+    tomlin::count_steps(state, steps);
+  });
 }
 
-template <class Math>
-void BM_plain_pt(benchmark::State& state) {
-  static PrandtlTomlinson<Math> model;
-  run(state, model, 64, 1e-2);
-}
-
-void BM_plain_pt_replicas(benchmark::State& state) {
-  static TipReplicas replicas(64);
-  run(state, replicas, 64, 1e-2, static_cast<std::int64_t>(replicas.x.size()));
-}
-BENCHMARK(BM_plain_pt_replicas)->Name("pt replicas/plain");
-
-void BM_plain_ring_replicas(benchmark::State& state) {
-  static RingReplicas replicas(16);
-  run(state, replicas, 64, 1e-4, static_cast<std::int64_t>(replicas.stiffness.size()));
-}
-BENCHMARK(BM_plain_ring_replicas)->Name("flexible_ring_8 replicas/plain");
-
-// Time of a number.
-void BM_plain_normals(benchmark::State& state) {
-  static NormalReplicas normals(64);
-  std::uint64_t four = 0;
-  for (auto _ : state) {
-    normals.draw(four++);
-    benchmark::ClobberMemory();
-  }
-  state.counters["s_per_step"] =
-      benchmark::Counter(static_cast<double>(state.iterations()) * 4.0 * 64.0,
-                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
-}
-BENCHMARK(BM_plain_normals)->Name("normals of replicas/plain");
-
-template <class Math>
-void BM_plain_pt_memory(benchmark::State& state) {
-  static RememberingTip<Math> model;
-  run(state, model, 64, 1e-2);
-}
-
-template <class Math>
-void BM_plain_flexible_ring(benchmark::State& state) {
-  static FlexibleRing<Math> model(8);
-  run(state, model, 16, 1e-4);
-}
-
-template <class Math>
-void BM_plain_rigid_ring(benchmark::State& state) {
-  static RigidRing<Math> model(8);
-  run(state, model, 16, 1e-2);
-}
-
-template <class Math>
-void BM_plain_rigid_box(benchmark::State& state) {
-  static RigidBox<Math> model;
-  run(state, model, 16, 1e-2);
-}
-
-// Rest length equal to the period: the particles move nearly in phase, which flatters a library
-// sine with branches. The golden chain below is the fairer case.
-template <class Math>
-void BM_plain_chain_1000(benchmark::State& state) {
-  static Chain<Math> model(1000);
-  run(state, model, 1, 1e-2);
-}
-
-// Golden mean: the phases fill the period.
-template <class Math>
-void BM_plain_golden_chain_1000(benchmark::State& state) {
-  static Chain<Math> model(1000, std::numbers::phi);
-  run(state, model, 1, 1e-2);
-}
-
-template <class Math>
-void BM_plain_golden_chain_100000(benchmark::State& state) {
-  static Chain<Math> model(100000, std::numbers::phi);
-  run(state, model, 1, 1e-2);
-}
-
-template <class Math>
-void BM_plain_flake_1000(benchmark::State& state) {
-  static Flake<Math> model(40, 25, std::numbers::phi);
-  run(state, model, 1, 1e-2);
+template <template <class> class Model, class... Arguments>
+void register_twins(const std::string& name, std::int64_t batch, double h, Arguments... arguments) {
+  register_steps<Model<StdMath>>(name + "/plain", batch, h, 1, arguments...);
+  register_steps<Model<OwnMath>>(name + "/plain_own_math", batch, h, 1, arguments...);
 }
 
 // One evaluation of the force, nothing else.
-template <class Model>
-void evaluate(benchmark::State& state, Model& model) {
-  for (auto _ : state) {
-    model.evaluate();
-    benchmark::ClobberMemory();
-  }
-  state.counters["s_per_step"] =
-      benchmark::Counter(static_cast<double>(state.iterations()),
-                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+template <class Model, class... Arguments>
+void register_evaluation(const std::string& name, Arguments... arguments) {
+  const auto model = std::make_shared<Model>(arguments...);
+  benchmark::RegisterBenchmark(name.c_str(), [model](benchmark::State& state) {
+    for (auto _ : state) {
+      model->evaluate();
+      benchmark::ClobberMemory();
+    }
+    tomlin::count_steps(state);
+  });
 }
 
 template <class Math>
 void BM_plain_chain_energy_1000(benchmark::State& state) {
   static const Chain<Math> model(1000, std::numbers::phi);
   for (auto _ : state) benchmark::DoNotOptimize(model.energy());
-  state.counters["s_per_step"] =
-      benchmark::Counter(static_cast<double>(state.iterations()),
-                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  tomlin::count_steps(state);
 }
-
-void BM_plain_angles_1000(benchmark::State& state) {
-  static Bending model(1000, 100.0);
-  evaluate(state, model);
-}
-
-template <class Math>
-void BM_plain_varied_1000(benchmark::State& state) {
-  static VariedSubstrate<Math> model(1000, std::numbers::phi);
-  evaluate(state, model);
-}
-
-void BM_plain_map_1000(benchmark::State& state) {
-  static SplineSurface model(32, 40, 25, std::numbers::phi);
-  evaluate(state, model);
-}
-
-void BM_plain_dry_friction_1000(benchmark::State& state) {
-  static DryFriction model(1000);
-  evaluate(state, model);
-}
-
-// Named MODEL/plain and MODEL/plain_own_math: main.cpp holds the engine's MODEL/tomlin against
-// them.
 BENCHMARK(BM_plain_chain_energy_1000<StdMath>)->Name("chain_energy_1000/plain");
 BENCHMARK(BM_plain_chain_energy_1000<OwnMath>)->Name("chain_energy_1000/plain_own_math");
-BENCHMARK(BM_plain_angles_1000)->Name("angles_1000/plain");
-BENCHMARK(BM_plain_varied_1000<StdMath>)->Name("varied_substrate_1000/plain");
-BENCHMARK(BM_plain_varied_1000<OwnMath>)->Name("varied_substrate_1000/plain_own_math");
-BENCHMARK(BM_plain_map_1000)->Name("energy_map_1000/plain");
-BENCHMARK(BM_plain_dry_friction_1000)->Name("dry_friction_1000/plain");
-BENCHMARK(BM_plain_pt<StdMath>)->Name("pt/plain");
-BENCHMARK(BM_plain_pt_memory<StdMath>)->Name("pt_memory/plain");
-BENCHMARK(BM_plain_flexible_ring<StdMath>)->Name("flexible_ring_8/plain");
-BENCHMARK(BM_plain_rigid_ring<StdMath>)->Name("rigid_ring_8/plain");
-BENCHMARK(BM_plain_rigid_box<StdMath>)->Name("rigid_box_24/plain");
-BENCHMARK(BM_plain_chain_1000<StdMath>)->Name("chain_1000/plain");
-BENCHMARK(BM_plain_golden_chain_1000<StdMath>)->Name("golden_chain_1000/plain");
-BENCHMARK(BM_plain_golden_chain_100000<StdMath>)->Name("golden_chain_100000/plain");
-BENCHMARK(BM_plain_flake_1000<StdMath>)->Name("flake_1000/plain");
-BENCHMARK(BM_plain_flake_1000<OwnMath>)->Name("flake_1000/plain_own_math");
-BENCHMARK(BM_plain_pt<OwnMath>)->Name("pt/plain_own_math");
-BENCHMARK(BM_plain_pt_memory<OwnMath>)->Name("pt_memory/plain_own_math");
-BENCHMARK(BM_plain_flexible_ring<OwnMath>)->Name("flexible_ring_8/plain_own_math");
-BENCHMARK(BM_plain_rigid_ring<OwnMath>)->Name("rigid_ring_8/plain_own_math");
-BENCHMARK(BM_plain_rigid_box<OwnMath>)->Name("rigid_box_24/plain_own_math");
-BENCHMARK(BM_plain_chain_1000<OwnMath>)->Name("chain_1000/plain_own_math");
-BENCHMARK(BM_plain_golden_chain_1000<OwnMath>)->Name("golden_chain_1000/plain_own_math");
-BENCHMARK(BM_plain_golden_chain_100000<OwnMath>)->Name("golden_chain_100000/plain_own_math");
+
+// Time of a number.
+void BM_plain_normals(benchmark::State& state) {
+  static NormalReplicas normals(kTips);
+  std::uint64_t four = 0;
+  for (auto _ : state) {
+    normals.draw(four++);
+    benchmark::ClobberMemory();
+  }
+  tomlin::count_steps(state, static_cast<double>(state.iterations()) * 4.0 * kTips);
+}
+BENCHMARK(BM_plain_normals)->Name("normals of replicas/plain");
+
+[[maybe_unused]] const bool registered = [] {
+  register_twins<PrandtlTomlinson>("pt", 64, 1e-2);
+  register_twins<RememberingTip>("pt_memory", 64, 1e-2);
+  register_twins<FlexibleRing>("flexible_ring_8", 16, 1e-4);
+  register_twins<RigidRing>("rigid_ring_8", 16, 1e-2);
+  register_twins<RigidBox>("rigid_box_24", 16, 1e-2);
+  // Rest length equal to the period: the particles move nearly in phase, which flatters a library
+  // sine with branches. The phases of the golden chains fill the period, which is the fairer case.
+  register_twins<Chain>("chain_1000", 1, 1e-2, 1000, 1.0);
+  register_twins<Chain>("golden_chain_1000", 1, 1e-2, 1000, std::numbers::phi);
+  register_twins<Chain>("golden_chain_100000", 1, 1e-2, 100000, std::numbers::phi);
+  register_twins<Flake>("flake_1000", 1, 1e-2, 40, 25, std::numbers::phi);
+  register_steps<TipReplicas>("pt replicas/plain", 64, 1e-2, kTips, kTips);
+  register_steps<RingReplicas>("flexible_ring_8 replicas/plain", 64, 1e-4, kRings, kRings);
+  register_evaluation<Bending>("angles_1000/plain", 1000, 100.0);
+  register_evaluation<VariedSubstrate<StdMath>>("varied_substrate_1000/plain", 1000,
+                                                std::numbers::phi);
+  register_evaluation<VariedSubstrate<OwnMath>>("varied_substrate_1000/plain_own_math", 1000,
+                                                std::numbers::phi);
+  register_evaluation<SplineSurface>("energy_map_1000/plain", 32, 40, 25, std::numbers::phi);
+  register_evaluation<DryFriction>("dry_friction_1000/plain", 1000);
+  return true;
+}();
 
 }  // namespace

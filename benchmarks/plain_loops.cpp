@@ -6,17 +6,27 @@ namespace tomlin::plain {
 
 // ---- Prandtl-Tomlinson --------------------------------------------------------------------------
 
-template <class Math>
-[[gnu::noinline]] void PrandtlTomlinson<Math>::advance(std::int64_t steps, double h) {
+template <class Math, bool remembers>
+[[gnu::noinline]] void DraggedTip<Math, remembers>::advance(std::int64_t steps, double h) {
   const Math math(period);
   const double k = stiffness;
   const double xi = damping;
+  const double rate = 1.0 / memory_time;
+  const double memory = damping * rate;
   const double site = 2.0 * std::numbers::pi * amplitude / period;
   const double inverse_mass = 1.0 / mass;
   const double half = 0.5 * h;
   const double sixth = h / 6.0;
+  const auto acceleration = [=](double at, double moving, double stretched, double spring) {
+    if constexpr (remembers) {
+      return (spring - memory * stretched + site * math.sine(at)) * inverse_mass;
+    } else {
+      return (spring - xi * moving + site * math.sine(at)) * inverse_mass;
+    }
+  };
   double position = x;
   double velocity = v;
+  double stretch = q;
   double integral = force_integral;
 
   for (std::int64_t n = done; n < done + steps; ++n) {
@@ -26,29 +36,39 @@ template <class Math>
     const double driver4 = speed * (t + h);
 
     const double f1 = k * (driver1 - position);
-    const double a1 = (f1 - xi * velocity + site * math.sine(position)) * inverse_mass;
+    const double a1 = acceleration(position, velocity, stretch, f1);
+    const double q1 = velocity - rate * stretch;
 
     const double x2 = position + half * velocity;
     const double v2 = velocity + half * a1;
+    const double s2 = stretch + half * q1;
     const double f2 = k * (driver2 - x2);
-    const double a2 = (f2 - xi * v2 + site * math.sine(x2)) * inverse_mass;
+    const double a2 = acceleration(x2, v2, s2, f2);
+    const double q2 = v2 - rate * s2;
 
     const double x3 = position + half * v2;
     const double v3 = velocity + half * a2;
+    const double s3 = stretch + half * q2;
     const double f3 = k * (driver2 - x3);
-    const double a3 = (f3 - xi * v3 + site * math.sine(x3)) * inverse_mass;
+    const double a3 = acceleration(x3, v3, s3, f3);
+    const double q3 = v3 - rate * s3;
 
     const double x4 = position + h * v3;
     const double v4 = velocity + h * a3;
+    const double s4 = stretch + h * q3;
     const double f4 = k * (driver4 - x4);
-    const double a4 = (f4 - xi * v4 + site * math.sine(x4)) * inverse_mass;
+    const double a4 = acceleration(x4, v4, s4, f4);
+    const double q4 = v4 - rate * s4;
 
     position += sixth * (velocity + 2.0 * (v2 + v3) + v4);
     velocity += sixth * (a1 + 2.0 * (a2 + a3) + a4);
+    // Without memory the compiler drops all that leads here.
+    if constexpr (remembers) stretch += sixth * (q1 + 2.0 * (q2 + q3) + q4);
     integral += sixth * (f1 + 2.0 * (f2 + f3) + f4);
   }
   x = position;
   v = velocity;
+  q = stretch;
   force_integral = integral;
   done += steps;
 }
@@ -279,73 +299,71 @@ RingReplicas::RingReplicas(std::size_t count)
   }
 }
 
-template <class Math>
-[[gnu::noinline]] void RememberingTip<Math>::advance(std::int64_t steps, double h) {
-  const Math math(period);
-  const double k = stiffness;
-  const double rate = 1.0 / memory_time;
-  const double memory = damping * rate;
-  const double site = 2.0 * std::numbers::pi * amplitude / period;
-  const double inverse_mass = 1.0 / mass;
+// ---- particles in the plane ---------------------------------------------------------------------
+
+PlaneParticles::PlaneParticles(int particles) : count(particles) {
+  for (std::vector<double>* a :
+       {&x, &y, &vx, &vy, &xs, &ys, &vxs, &vys, &ax, &ay, &sum_vx, &sum_vy, &sum_ax, &sum_ay}) {
+    a->assign(count, 0.0);
+  }
+}
+
+// Steps of RK4, the forces of a model being its accelerations().
+template <class Model>
+[[gnu::always_inline]] inline void advance_in_plane(Model& m, std::int64_t steps, double h) {
+  const int n = m.count;
   const double half = 0.5 * h;
   const double sixth = h / 6.0;
-  double position = x;
-  double velocity = v;
-  double stretch = q;
-  double integral = force_integral;
+  double driver_x[4];
+  double driver_y[4];
+  for (std::int64_t k = 0; k < steps; ++k) {
+    const double t = static_cast<double>(m.done) * h;
 
-  for (std::int64_t n = done; n < done + steps; ++n) {
-    const double t = static_cast<double>(n) * h;
-    const double driver1 = speed * t;
-    const double driver2 = speed * (t + half);
-    const double driver4 = speed * (t + h);
-
-    const double f1 = k * (driver1 - position);
-    const double a1 = (f1 - memory * stretch + site * math.sine(position)) * inverse_mass;
-    const double q1 = velocity - rate * stretch;
-
-    const double x2 = position + half * velocity;
-    const double v2 = velocity + half * a1;
-    const double s2 = stretch + half * q1;
-    const double f2 = k * (driver2 - x2);
-    const double a2 = (f2 - memory * s2 + site * math.sine(x2)) * inverse_mass;
-    const double q2 = v2 - rate * s2;
-
-    const double x3 = position + half * v2;
-    const double v3 = velocity + half * a2;
-    const double s3 = stretch + half * q2;
-    const double f3 = k * (driver2 - x3);
-    const double a3 = (f3 - memory * s3 + site * math.sine(x3)) * inverse_mass;
-    const double q3 = v3 - rate * s3;
-
-    const double x4 = position + h * v3;
-    const double v4 = velocity + h * a3;
-    const double s4 = stretch + h * q3;
-    const double f4 = k * (driver4 - x4);
-    const double a4 = (f4 - memory * s4 + site * math.sine(x4)) * inverse_mass;
-    const double q4 = v4 - rate * s4;
-
-    position += sixth * (velocity + 2.0 * (v2 + v3) + v4);
-    velocity += sixth * (a1 + 2.0 * (a2 + a3) + a4);
-    stretch += sixth * (q1 + 2.0 * (q2 + q3) + q4);
-    integral += sixth * (f1 + 2.0 * (f2 + f3) + f4);
+    m.accelerations(m.x.data(), m.y.data(), m.vx.data(), m.vy.data(), t, driver_x[0], driver_y[0]);
+    for (int i = 0; i < n; ++i) {
+      m.sum_vx[i] = m.vx[i];
+      m.sum_vy[i] = m.vy[i];
+      m.sum_ax[i] = m.ax[i];
+      m.sum_ay[i] = m.ay[i];
+      m.xs[i] = m.x[i] + half * m.vx[i];
+      m.ys[i] = m.y[i] + half * m.vy[i];
+      m.vxs[i] = m.vx[i] + half * m.ax[i];
+      m.vys[i] = m.vy[i] + half * m.ay[i];
+    }
+    for (int stage = 1; stage < 3; ++stage) {
+      const double ahead = stage == 1 ? half : h;
+      m.accelerations(m.xs.data(), m.ys.data(), m.vxs.data(), m.vys.data(), t + half,
+                      driver_x[stage], driver_y[stage]);
+      for (int i = 0; i < n; ++i) {
+        m.sum_vx[i] += 2.0 * m.vxs[i];
+        m.sum_vy[i] += 2.0 * m.vys[i];
+        m.sum_ax[i] += 2.0 * m.ax[i];
+        m.sum_ay[i] += 2.0 * m.ay[i];
+        m.xs[i] = m.x[i] + ahead * m.vxs[i];
+        m.ys[i] = m.y[i] + ahead * m.vys[i];
+        m.vxs[i] = m.vx[i] + ahead * m.ax[i];
+        m.vys[i] = m.vy[i] + ahead * m.ay[i];
+      }
+    }
+    m.accelerations(m.xs.data(), m.ys.data(), m.vxs.data(), m.vys.data(), t + h, driver_x[3],
+                    driver_y[3]);
+    for (int i = 0; i < n; ++i) {
+      m.x[i] += sixth * (m.sum_vx[i] + m.vxs[i]);
+      m.y[i] += sixth * (m.sum_vy[i] + m.vys[i]);
+      m.vx[i] += sixth * (m.sum_ax[i] + m.ax[i]);
+      m.vy[i] += sixth * (m.sum_ay[i] + m.ay[i]);
+    }
+    m.force_integral_x += sixth * (driver_x[0] + 2.0 * (driver_x[1] + driver_x[2]) + driver_x[3]);
+    m.force_integral_y += sixth * (driver_y[0] + 2.0 * (driver_y[1] + driver_y[2]) + driver_y[3]);
+    ++m.done;
   }
-  x = position;
-  v = velocity;
-  q = stretch;
-  force_integral = integral;
-  done += steps;
 }
 
 // ---- flexible ring ------------------------------------------------------------------------------
 
 template <class Math>
 FlexibleRing<Math>::FlexibleRing(int particles, double ring_radius)
-    : count(particles), radius(ring_radius) {
-  for (std::vector<double>* a :
-       {&x, &y, &vx, &vy, &xs, &ys, &vxs, &vys, &ax, &ay, &sum_vx, &sum_vy, &sum_ax, &sum_ay}) {
-    a->assign(count, 0.0);
-  }
+    : PlaneParticles(particles), radius(ring_radius) {
   for (int i = 0; i < count; ++i) {
     const double theta = 2.0 * std::numbers::pi * i / count;
     x[i] = radius * std::cos(theta);
@@ -420,61 +438,7 @@ void FlexibleRing<Math>::accelerations(const double* px, const double* py, const
 
 template <class Math>
 [[gnu::noinline]] void FlexibleRing<Math>::advance(std::int64_t steps, double h) {
-  const int n = count;
-  const double half = 0.5 * h;
-  const double sixth = h / 6.0;
-
-  for (std::int64_t m = 0; m < steps; ++m) {
-    const double t = static_cast<double>(done) * h;
-    double f1x, f1y, f2x, f2y, f3x, f3y, f4x, f4y;
-
-    accelerations(x.data(), y.data(), vx.data(), vy.data(), t, f1x, f1y);
-    for (int i = 0; i < n; ++i) {
-      sum_vx[i] = vx[i];
-      sum_vy[i] = vy[i];
-      sum_ax[i] = ax[i];
-      sum_ay[i] = ay[i];
-      xs[i] = x[i] + half * vx[i];
-      ys[i] = y[i] + half * vy[i];
-      vxs[i] = vx[i] + half * ax[i];
-      vys[i] = vy[i] + half * ay[i];
-    }
-
-    accelerations(xs.data(), ys.data(), vxs.data(), vys.data(), t + half, f2x, f2y);
-    for (int i = 0; i < n; ++i) {
-      sum_vx[i] += 2.0 * vxs[i];
-      sum_vy[i] += 2.0 * vys[i];
-      sum_ax[i] += 2.0 * ax[i];
-      sum_ay[i] += 2.0 * ay[i];
-      xs[i] = x[i] + half * vxs[i];
-      ys[i] = y[i] + half * vys[i];
-      vxs[i] = vx[i] + half * ax[i];
-      vys[i] = vy[i] + half * ay[i];
-    }
-
-    accelerations(xs.data(), ys.data(), vxs.data(), vys.data(), t + half, f3x, f3y);
-    for (int i = 0; i < n; ++i) {
-      sum_vx[i] += 2.0 * vxs[i];
-      sum_vy[i] += 2.0 * vys[i];
-      sum_ax[i] += 2.0 * ax[i];
-      sum_ay[i] += 2.0 * ay[i];
-      xs[i] = x[i] + h * vxs[i];
-      ys[i] = y[i] + h * vys[i];
-      vxs[i] = vx[i] + h * ax[i];
-      vys[i] = vy[i] + h * ay[i];
-    }
-
-    accelerations(xs.data(), ys.data(), vxs.data(), vys.data(), t + h, f4x, f4y);
-    for (int i = 0; i < n; ++i) {
-      x[i] += sixth * (sum_vx[i] + vxs[i]);
-      y[i] += sixth * (sum_vy[i] + vys[i]);
-      vx[i] += sixth * (sum_ax[i] + ax[i]);
-      vy[i] += sixth * (sum_ay[i] + ay[i]);
-    }
-    force_integral_x += sixth * (f1x + 2.0 * (f2x + f3x) + f4x);
-    force_integral_y += sixth * (f1y + 2.0 * (f2y + f3y) + f4y);
-    ++done;
-  }
+  advance_in_plane(*this, steps, h);
 }
 
 // ---- rigid ring ---------------------------------------------------------------------------------
@@ -767,15 +731,10 @@ template <class Math>
   }
 }
 
-// ---- flake
-// ---------------------------------------------------------------------------------------
+// ---- flake -------------------------------------------------------------------------------------
 
 template <class Math>
-Flake<Math>::Flake(int columns, int rows, double spacing) : count(columns * rows) {
-  for (std::vector<double>* a :
-       {&x, &y, &vx, &vy, &xs, &ys, &vxs, &vys, &ax, &ay, &sum_vx, &sum_vy, &sum_ax, &sum_ay}) {
-    a->assign(count, 0.0);
-  }
+Flake<Math>::Flake(int columns, int rows, double spacing) : PlaneParticles(columns * rows) {
   for (int i = 0; i < count; ++i) {
     x[i] = i % columns * spacing;
     y[i] = i / columns * spacing;
@@ -836,55 +795,10 @@ void Flake<Math>::accelerations(const double* px, const double* py, const double
 
 template <class Math>
 [[gnu::noinline]] void Flake<Math>::advance(std::int64_t steps, double h) {
-  const int n = count;
-  const double half = 0.5 * h;
-  const double sixth = h / 6.0;
-  double driver_x[4];
-  double driver_y[4];
-  for (std::int64_t m = 0; m < steps; ++m) {
-    const double t = static_cast<double>(done) * h;
-
-    accelerations(x.data(), y.data(), vx.data(), vy.data(), t, driver_x[0], driver_y[0]);
-    for (int i = 0; i < n; ++i) {
-      sum_vx[i] = vx[i];
-      sum_vy[i] = vy[i];
-      sum_ax[i] = ax[i];
-      sum_ay[i] = ay[i];
-      xs[i] = x[i] + half * vx[i];
-      ys[i] = y[i] + half * vy[i];
-      vxs[i] = vx[i] + half * ax[i];
-      vys[i] = vy[i] + half * ay[i];
-    }
-    for (int stage = 1; stage < 3; ++stage) {
-      const double ahead = stage == 1 ? half : h;
-      accelerations(xs.data(), ys.data(), vxs.data(), vys.data(), t + half, driver_x[stage],
-                    driver_y[stage]);
-      for (int i = 0; i < n; ++i) {
-        sum_vx[i] += 2.0 * vxs[i];
-        sum_vy[i] += 2.0 * vys[i];
-        sum_ax[i] += 2.0 * ax[i];
-        sum_ay[i] += 2.0 * ay[i];
-        xs[i] = x[i] + ahead * vxs[i];
-        ys[i] = y[i] + ahead * vys[i];
-        vxs[i] = vx[i] + ahead * ax[i];
-        vys[i] = vy[i] + ahead * ay[i];
-      }
-    }
-    accelerations(xs.data(), ys.data(), vxs.data(), vys.data(), t + h, driver_x[3], driver_y[3]);
-    for (int i = 0; i < n; ++i) {
-      x[i] += sixth * (sum_vx[i] + vxs[i]);
-      y[i] += sixth * (sum_vy[i] + vys[i]);
-      vx[i] += sixth * (sum_ax[i] + ax[i]);
-      vy[i] += sixth * (sum_ay[i] + ay[i]);
-    }
-    force_integral_x += sixth * (driver_x[0] + 2.0 * (driver_x[1] + driver_x[2]) + driver_x[3]);
-    force_integral_y += sixth * (driver_y[0] + 2.0 * (driver_y[1] + driver_y[2]) + driver_y[3]);
-    ++done;
-  }
+  advance_in_plane(*this, steps, h);
 }
 
-// ---- bending
-// -------------------------------------------------------------------------------------
+// ---- bending -----------------------------------------------------------------------------------
 
 Bending::Bending(int count, double radius) {
   for (std::vector<double>* a : {&x, &y, &fx, &fy}) a->assign(count, 0.0);
@@ -924,8 +838,7 @@ Bending::Bending(int count, double radius) {
   }
 }
 
-// ---- one force
-// -----------------------------------------------------------------------------------
+// ---- one force ---------------------------------------------------------------------------------
 
 template <class Math>
 VariedSubstrate<Math>::VariedSubstrate(int count, double spacing) {
@@ -1017,15 +930,15 @@ DryFriction::DryFriction(int count) {
 
 template struct VariedSubstrate<StdMath>;
 template struct VariedSubstrate<OwnMath>;
-template struct PrandtlTomlinson<StdMath>;
-template struct RememberingTip<StdMath>;
+template struct DraggedTip<StdMath, false>;
+template struct DraggedTip<StdMath, true>;
 template struct FlexibleRing<StdMath>;
 template struct RigidRing<StdMath>;
 template struct RigidBox<StdMath>;
 template struct Chain<StdMath>;
 template struct Flake<StdMath>;
-template struct PrandtlTomlinson<OwnMath>;
-template struct RememberingTip<OwnMath>;
+template struct DraggedTip<OwnMath, false>;
+template struct DraggedTip<OwnMath, true>;
 template struct FlexibleRing<OwnMath>;
 template struct RigidRing<OwnMath>;
 template struct RigidBox<OwnMath>;

@@ -50,23 +50,32 @@ struct OwnMath {
   static double exponential(double x) { return tomlin::exp(x); }
 };
 
-// One particle dragged over a cosine: m x'' = k (v t - x) - xi x' + (2 pi V0 / a) sin(2 pi x / a).
-template <class Math>
-struct PrandtlTomlinson {
+// One particle dragged over a cosine: m x'' = k (v t - x) - drag + (2 pi V0 / a) sin(2 pi x / a).
+// The drag is damping x', or it has a memory kernel, a Maxwell element: its spring's stretch q is
+// one more unknown, q' = x' - q / memory_time, and the drag (damping / memory_time) q.
+template <class Math, bool remembers>
+struct DraggedTip {
   double mass = 1.0;
   double stiffness = 2.0;
-  double damping = 2.0 * std::numbers::sqrt2;
+  double damping = remembers ? 0.3 : 2.0 * std::numbers::sqrt2;
+  double memory_time = 0.5;
   double speed = 1e-3;
   double period = 1.0;
   double amplitude = 0.1;
 
   double x = 0.0;
   double v = 0.0;
+  double q = 0.0;
   double force_integral = 0.0;  // of the driving spring's force over time
   std::int64_t done = 0;
 
   void advance(std::int64_t steps, double h);
 };
+
+template <class Math>
+using PrandtlTomlinson = DraggedTip<Math, false>;
+template <class Math>
+using RememberingTip = DraggedTip<Math, true>;
 
 // Tips side by side in vectors, each with numbers of its own; [tip].
 struct TipReplicas {
@@ -105,32 +114,25 @@ struct NormalReplicas {
   void draw(std::uint64_t four);
 };
 
-// A tip whose drag has a memory kernel, a Maxwell element: its spring's stretch q is one more
-// unknown, q' = v - q / memory_time, and the drag (damping / memory_time) q.
-template <class Math>
-struct RememberingTip {
-  double mass = 1.0;
-  double stiffness = 2.0;
-  double damping = 0.3;
-  double memory_time = 0.5;
-  double speed = 1e-3;
-  double period = 1.0;
-  double amplitude = 0.1;
+// Particles in the plane, with what a step of RK4 needs.
+struct PlaneParticles {
+  explicit PlaneParticles(int particles);
 
-  double x = 0.0;
-  double v = 0.0;
-  double q = 0.0;
-  double force_integral = 0.0;
+  int count;
+  std::vector<double> x, y, vx, vy;
+  double force_integral_x = 0.0;
+  double force_integral_y = 0.0;
   std::int64_t done = 0;
 
-  void advance(std::int64_t steps, double h);
+  std::vector<double> xs, ys, vxs, vys;                // the state at a stage
+  std::vector<double> ax, ay;                          // its accelerations
+  std::vector<double> sum_vx, sum_vy, sum_ax, sum_ay;  // weighted sums over the stages
 };
 
 // A ring of particles in the plane with a harmonic bond between every two of them. Quantities
 // without "each" are the whole ring's; the particles share them equally.
 template <class Math>
-struct FlexibleRing {
-  int count;
+struct FlexibleRing : PlaneParticles {
   double radius;
   double bond_stiffness = 1e6;
   double stiffness = 2.0;
@@ -141,20 +143,10 @@ struct FlexibleRing {
   double lambda = 1.0;
   double mass = 1.0;
 
-  std::vector<double> x, y, vx, vy;
-  double force_integral_x = 0.0;
-  double force_integral_y = 0.0;
-  std::int64_t done = 0;
+  std::vector<double> rest_length;  // count x count, the upper half used
 
   explicit FlexibleRing(int particles = 8, double ring_radius = 1.0);
   void advance(std::int64_t steps, double h);
-
- private:
-  std::vector<double> rest_length;                     // count x count, the upper half used
-  std::vector<double> xs, ys, vxs, vys;                // the state at a stage
-  std::vector<double> ax, ay;                          // its accelerations
-  std::vector<double> sum_vx, sum_vy, sum_ax, sum_ay;  // weighted sums over the stages
-
   void accelerations(const double* px, const double* py, const double* ux, const double* uy,
                      double t, double& driver_x, double& driver_y);
 };
@@ -257,8 +249,7 @@ struct Chain {
 // V = A [cos p + cos q + cos(p + q)], p = 2 pi (x/a - y/(sqrt(3) a)), q = 4 pi y/(sqrt(3) a),
 // dragged by their centre of mass. With the engine's mathematics it takes eight particles at once.
 template <class Math>
-struct Flake {
-  int count;  // a multiple of 8
+struct Flake : PlaneParticles {
   double stiffness = 1.0;
   double damping_each = 0.1;
   double speed_x = 1e-3;
@@ -266,20 +257,11 @@ struct Flake {
   double period = 1.0;
   double amplitude_each = 0.05;
   double mass_each = 1.0;
+  double start_x, start_y;
 
-  std::vector<double> x, y, vx, vy;
-  double force_integral_x = 0.0;
-  double force_integral_y = 0.0;
-  std::int64_t done = 0;
-
-  // Rows of particles at that distance in both directions.
+  // Rows of particles at that distance in both directions, a multiple of 8 together.
   Flake(int columns, int rows, double spacing);
   void advance(std::int64_t steps, double h);
-
- private:
-  double start_x, start_y;
-  std::vector<double> xs, ys, vxs, vys, ax, ay, sum_vx, sum_vy, sum_ax, sum_ay;
-
   void accelerations(const double* px, const double* py, const double* ux, const double* uy,
                      double t, double& driver_x, double& driver_y);
 };

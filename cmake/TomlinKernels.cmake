@@ -44,21 +44,27 @@ endif()
 
 # tomlin_kernels(TARGET HEADER CLASS [TYPE...]): compile the kernels of CLASS, defined in HEADER (as
 # an #include in TARGET names it, or absolute), into TARGET: in each number type (by default all of
-# the build's) for every instruction set. Quadruple numbers have no vector instructions.
-function(tomlin_kernels target header class)
+# the build's) for every instruction set. Quadruple numbers have no vector instructions. CLASS may be
+# a list, "A;B": its classes share one source file, since headers take most of the time to compile.
+function(tomlin_kernels target header classes)
   set(TOMLIN_KERNEL_HEADER ${header})
-  set(TOMLIN_KERNEL_CLASS ${class})
+  list(GET classes 0 first)
   set(types ${ARGN})
   if(NOT types)
     set(types ${TOMLIN_NUMBER_TYPES})
   endif()
   foreach(TOMLIN_KERNEL_TYPE ${types})
+    set(TOMLIN_KERNEL_DEFINITIONS "")
+    foreach(class IN LISTS classes)
+      string(APPEND TOMLIN_KERNEL_DEFINITIONS
+             "TOMLIN_DEFINE_KERNELS(${class}, ${TOMLIN_KERNEL_TYPE})\n")
+    endforeach()
     set(sets ${TOMLIN_INSTRUCTION_SETS})
     if(TOMLIN_KERNEL_TYPE STREQUAL "Quad")
       set(sets baseline)
     endif()
     foreach(set ${sets})
-      set(file ${CMAKE_CURRENT_BINARY_DIR}/${class}_${TOMLIN_KERNEL_TYPE}_${set}.cpp)
+      set(file ${CMAKE_CURRENT_BINARY_DIR}/${first}_${TOMLIN_KERNEL_TYPE}_${set}.cpp)
       configure_file(${TOMLIN_KERNEL_TEMPLATE} ${file} @ONLY)
       set_source_files_properties(${file} PROPERTIES
                                   COMPILE_OPTIONS "${TOMLIN_KERNEL_FLAGS};${TOMLIN_FLAGS_${set}};${TOMLIN_KERNEL_SANITIZERS}"

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "framework/core/elements/element.hpp"
-#include "framework/core/records/registry.hpp"
+#include "framework/core/records/parameter.hpp"
 
 /// A constant force, the same for every particle at all times.
 ///
@@ -11,6 +11,8 @@
 ///
 /// Source: elementary. Its energy is no periodic one: x is the scene's own, whole cells included.
 namespace tomlin {
+
+struct ForceRecord;  // framework/core/records/force.hpp
 
 struct ConstantForceDescription {
   SpaceVector force;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "framework/core/elements/element.hpp"
-#include "framework/core/records/registry.hpp"
 
 /// Dry friction on each particle: of constant magnitude against the velocity, whatever the speed.
 ///
@@ -20,6 +19,8 @@
 /// Nonlinear Dyn. 83 (2016) 1785, doi:10.1007/s11071-015-2485-3, reviews regularised laws. The root
 /// is chosen among them because it is smooth, monotonic, and the same in every dimension.
 namespace tomlin {
+
+struct ForceRecord;  // framework/core/records/force.hpp
 
 struct CoulombFrictionDescription {
   double force = 0.0;

@@ -62,15 +62,14 @@ class Driven : public Base, public PulledEnd {
         starts_at_point_(description.start.components.empty()),
         of_each_(description.attach.kind == Attachment::Kind::each_particle) {
     drive_.velocity = description.velocity.components;
-    const bool many = description.attach.kind == Attachment::Kind::each_particle;
-    const double springs = many ? static_cast<double>(this->body_.slot.count) : 1.0;
+    const double springs = of_each_ ? static_cast<double>(this->body_.slot.count) : 1.0;
     for (int k = 0; k < D; ++k) {
       drive_.stiffness.push_back(springs * stiffness_on(description, k));
       if (!description.start.components.empty()) {
         drive_.start.push_back(relative_to(binding.origin, k, description.start.components[k]));
       } else if (description.attach.kind == Attachment::Kind::particle) {
         drive_.start.push_back(this->body_.start[description.attach.particle][k]);
-      } else if (description.attach.kind == Attachment::Kind::each_particle) {
+      } else if (of_each_) {
         // Equal springs pull together as one from the plain mean of their ends.
         InterleavedSum<double> ends;
         for (std::size_t i = 0; i < this->body_.slot.count; ++i) {

@@ -2,7 +2,6 @@
 
 #include "framework/core/elements/element.hpp"
 #include "framework/core/records/parameter.hpp"
-#include "framework/core/records/registry.hpp"
 
 /// A spring whose support moves at constant velocity.
 ///
@@ -25,6 +24,8 @@
 /// work; with equal masses each gets F/N.
 /// Source: Sircar and Patra, eqs. (4) to (6); Prandtl (1928).
 namespace tomlin {
+
+struct ForceRecord;  // framework/core/records/force.hpp
 
 struct DrivingSpringDescription {
   WordOrNumbers stiffness;

@@ -2,7 +2,6 @@
 
 #include "framework/core/elements/element.hpp"
 #include "framework/core/records/parameter.hpp"
-#include "framework/core/records/registry.hpp"
 
 /// Harmonic bonds between particles of a body.
 ///
@@ -16,6 +15,8 @@
 /// A bond without rest length is -K (x_i - x_j), also where its ends coincide. Any other is valid
 /// for r_ij > 0: coincident particles have no direction to push, and a run stops there.
 namespace tomlin {
+
+struct ForceRecord;  // framework/core/records/force.hpp
 
 struct HarmonicBondsDescription {
   PairSelection pairs;

@@ -215,15 +215,14 @@ std::vector<double> amplitudes_of(const Description& d) {
   return is_given(d.amplitude) ? std::vector<double>{d.amplitude} : d.amplitudes.numbers;
 }
 
-double decay_of(const Description& d, std::size_t k) {
-  if (d.decay.numbers.empty()) return 0.0;
-  return d.decay.numbers.size() == 1 ? d.decay.numbers.front() : d.decay.numbers[k];
+bool fades(const Description& d) {
+  const auto& decays = d.decay.numbers;
+  return std::any_of(decays.begin(), decays.end(), [](double x) { return x != 0.0; });
 }
 
 LatticeHeight law_of(const Description& d) {
   const auto& decays = d.decay.numbers;
-  const bool fades = std::any_of(decays.begin(), decays.end(), [](double x) { return x != 0.0; });
-  if (!fades && d.repulsion == 0.0) return LatticeHeight::none;
+  if (!fades(d) && d.repulsion == 0.0) return LatticeHeight::none;
   const bool same = std::all_of(decays.begin(), decays.end(),
                                 [&decays](double x) { return x == decays.front(); });
   return same ? LatticeHeight::common : LatticeHeight::each;
@@ -279,20 +278,23 @@ std::vector<LatticeHarmonic> lattice_harmonics(const Description& d) {
     for (std::size_t k = 0; k < harmonic_count(d); ++k) {
       const auto [m, n] = harmonic_at(d, k);
       const bool turn = m < 0 || (m == 0 && n < 0);
-      all.push_back({turn ? -m : m, turn ? -n : n, amplitudes[k], decay_of(d, k)});
+      all.push_back({turn ? -m : m, turn ? -n : n, amplitudes[k], lattice_decay(d, k)});
     }
     return all;
   }
   const std::vector<Star> stars = stars_of(d);
   for (std::size_t k = 0; k < amplitudes.size(); ++k) {
     for (const ReciprocalVector& vector : stars[k]) {
-      all.push_back({vector.m, vector.n, sign_of(d, vector) * amplitudes[k], decay_of(d, k)});
+      all.push_back({vector.m, vector.n, sign_of(d, vector) * amplitudes[k], lattice_decay(d, k)});
     }
   }
   return all;
 }
 
-double lattice_decay(const Description& d) { return decay_of(d, 0); }
+double lattice_decay(const Description& d, std::size_t k) {
+  if (d.decay.numbers.empty()) return 0.0;
+  return d.decay.numbers.size() == 1 ? d.decay.numbers.front() : d.decay.numbers[k];
+}
 
 double lattice_period(const Description& d, int axis) {
   if (axis > 1) return 0.0;
@@ -464,9 +466,10 @@ class Check {
 
  private:
   void add(FaultCode code, std::string key, std::string why, std::string admissible = "") {
-    Complaint complaint{std::move(key), std::move(why), std::move(admissible)};
-    complaint.code = code;
-    found_.push_back(std::move(complaint));
+    found_.push_back({.key = std::move(key),
+                      .why = std::move(why),
+                      .admissible = std::move(admissible),
+                      .code = code});
   }
 
   bool has_vectors() const { return !d_.lattice_vectors.coordinates.empty(); }
@@ -562,18 +565,18 @@ class Check {
   }
 
   void check_map() {
-    if (lattice_is_known_ && !std::isfinite(lattice_curvatures(d_)[2])) {
-      add(FaultCode::scene_not_finite, d_.read_from.empty() ? "energies" : "energy_map",
-          "the curvature of the map is not finite");
-    }
     const char* key = d_.read_from.empty() ? "energies" : "energy_map";
-    const auto conflict = [&](const char* other, bool given) {
+    if (lattice_is_known_ && !std::isfinite(lattice_curvatures(d_)[2])) {
+      add(FaultCode::scene_not_finite, key, "the curvature of the map is not finite");
+    }
+    const std::pair<const char*, bool> others[] = {
+        {"amplitude", is_given(d_.amplitude)},
+        {"amplitudes", has_amplitudes()},
+        {"harmonics", !d_.harmonics.coordinates.empty()}};
+    for (const auto& [other, given] : others) {
       if (given)
         add(FaultCode::scene_conflict, other, "a map gives the energies", "one of the two");
-    };
-    conflict("amplitude", is_given(d_.amplitude));
-    conflict("amplitudes", has_amplitudes());
-    conflict("harmonics", !d_.harmonics.coordinates.empty());
+    }
     if (d_.decay.numbers.size() > 1) {
       add(FaultCode::scene_wrong_count, "decay",
           fmt::format("{} entries for a map", d_.decay.numbers.size()), "one number");
@@ -635,14 +638,12 @@ class Check {
   }
 
   void check_height() {
-    const auto& decays = d_.decay.numbers;
-    const bool fades = std::any_of(decays.begin(), decays.end(), [](double x) { return x != 0.0; });
     if (!has_height()) {
       const std::string why = scene_.dimension == 2
                                   ? "there is no height in the plane of the surface"
                                   : "there is no height in one dimension";
       const std::string admissible = scene_.dimension == 2 ? "0, or height = \"y\"" : "0";
-      if (fades) add(FaultCode::component_unsuitable, "decay", why, admissible);
+      if (fades(d_)) add(FaultCode::component_unsuitable, "decay", why, admissible);
       if (d_.repulsion != 0.0) {
         add(FaultCode::component_unsuitable, "repulsion", why, admissible);
       }

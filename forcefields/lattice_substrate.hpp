@@ -14,7 +14,6 @@
 #include "framework/core/numbers/periodic_spline.hpp"
 #include "framework/core/records/bound_force.hpp"
 #include "framework/core/records/parameter.hpp"
-#include "framework/core/records/registry.hpp"
 #include "framework/core/text/words.hpp"
 
 /// Crystalline surface, felt by each particle on its own: a Fourier sum over the reciprocal
@@ -43,8 +42,7 @@
 ///   square     a1 = (a, 0), a2 = (0, a); R = 0 is an atom
 ///   hexagonal  a1 = (a, 0), a2 = (a/2, sqrt(3) a/2); R = 0 is an atom
 ///   honeycomb  the same lattice with atoms at (a1 + a2)/3 and 2 (a1 + a2)/3; R = 0 is the centre
-///   of
-///              a hexagon. Stars with m + n not divisible by 3 have the sign -1.
+///              of a hexagon. Stars with m + n not divisible by 3 have the sign -1.
 ///   line       a1 = (a, 0); R = 0 is an atom
 /// Atoms are maxima where amplitudes are positive.
 ///
@@ -56,6 +54,8 @@
 /// Lattice vectors are rounded to double precision once; the lattice is exactly theirs from there
 /// on, however far away.
 namespace tomlin {
+
+struct ForceRecord;  // framework/core/records/force.hpp
 
 enum class SurfaceLattice { square, hexagonal, honeycomb, line, given };
 
@@ -108,8 +108,8 @@ enum class LatticeHeight { none, common, each };
 
 /// All harmonics of a description that its complaints accept.
 std::vector<LatticeHarmonic> lattice_harmonics(const LatticeSubstrateDescription& description);
-/// The decay of the first amplitude, and of all where it is the same.
-double lattice_decay(const LatticeSubstrateDescription& description);
+/// The decay of amplitude k.
+double lattice_decay(const LatticeSubstrateDescription& description, std::size_t k);
 /// The shortest lattice vector along an axis: a combination of a1 and a2, at most four of each,
 /// that lies on it exactly; 0 where there is none.
 double lattice_period(const LatticeSubstrateDescription& description, int axis);
@@ -320,7 +320,7 @@ struct LatticeSubstrate {
       // Without repulsion there is no exponential of it that could overflow.
       p.repulsion_decay = T(d.repulsion == 0.0 ? 0.0 : d.repulsion_decay);
     }
-    if constexpr (law == LatticeHeight::common) p.decay = T(lattice_decay(d));
+    if constexpr (law == LatticeHeight::common) p.decay = T(lattice_decay(d, 0));
     return p;
   }
 

@@ -9,7 +9,6 @@
 
 #include "framework/core/elements/cutoff_kernels.hpp"
 #include "framework/core/records/parameter.hpp"
-#include "framework/core/records/registry.hpp"
 
 /// Lennard-Jones interaction of all pairs within a cutoff.
 ///
@@ -33,6 +32,8 @@
 /// Valid for r > 0. Without "smooth" the energy is not conserved where pairs pass the cutoff. With
 /// it the second derivative jumps there.
 namespace tomlin {
+
+struct ForceRecord;  // framework/core/records/force.hpp
 
 /// Treatment of energy and force at the cutoff.
 enum class AtCutoff { cut, shift, smooth };

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "framework/core/elements/own_state.hpp"
-#include "framework/core/records/registry.hpp"
 
 /// Drag that remembers: generalised Langevin friction, with the noise of its bath or without.
 ///
@@ -32,6 +31,8 @@
 /// Source: R. Zwanzig, J. Stat. Phys. 9, 215 (1973), doi:10.1007/BF01008729; H. Mori, Prog. Theor.
 /// Phys. 33, 423 (1965), doi:10.1143/PTP.33.423.
 namespace tomlin {
+
+struct ForceRecord;  // framework/core/records/force.hpp
 
 struct MemoryDampingDescription {
   double coefficient = 0.0;

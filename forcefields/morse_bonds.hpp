@@ -2,7 +2,6 @@
 
 #include "framework/core/elements/element.hpp"
 #include "framework/core/records/parameter.hpp"
-#include "framework/core/records/registry.hpp"
 
 /// Bonds that break: stiff at their rest length, without force far beyond it.
 ///
@@ -18,6 +17,8 @@
 /// Valid for r_ij > 0: the repulsion stays finite at contact, where there is no direction to push.
 /// With r0 = 0 there is none, and contact is a point like any other.
 namespace tomlin {
+
+struct ForceRecord;  // framework/core/records/force.hpp
 
 struct MorseBondsDescription {
   PairSelection pairs;

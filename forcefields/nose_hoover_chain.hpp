@@ -5,7 +5,6 @@
 
 #include "framework/core/numbers/math.hpp"
 #include "framework/core/numbers/number_types.hpp"
-#include "framework/core/records/registry.hpp"
 #include "framework/core/system/flow.hpp"
 #include "framework/core/system/kernel_arguments.hpp"
 #include "framework/core/system/stage.hpp"
@@ -44,6 +43,8 @@
 /// schemes; A. Jorba and M. Zou, Exp. Math. 14 (2005) 99, doi:10.1080/10586458.2005.10128904,
 /// Taylor series.
 namespace tomlin {
+
+struct ForceRecord;  // framework/core/records/force.hpp
 
 struct NoseHooverChainDescription {
   double temperature = 0.0;  ///< an energy

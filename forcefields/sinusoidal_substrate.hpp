@@ -2,7 +2,6 @@
 
 #include "framework/core/elements/element.hpp"
 #include "framework/core/numbers/number_types.hpp"
-#include "framework/core/records/registry.hpp"
 
 /// Corrugated substrate, felt by each particle on its own.
 ///
@@ -19,6 +18,8 @@
 /// potential of Prandtl (1928) and Tomlinson (1929). x = x0 is a maximum for A > 0.
 /// Valid for any x, y; far above (b y^2 > 745) force and energy are exactly zero.
 namespace tomlin {
+
+struct ForceRecord;  // framework/core/records/force.hpp
 
 struct SinusoidalSubstrateDescription {
   double amplitude = 0.0;

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "framework/core/elements/bond_order_kernels.hpp"
-#include "framework/core/records/registry.hpp"
 
 /// Tersoff's bond-order potential between all particles of a body, in three dimensions.
 ///
@@ -29,6 +28,8 @@
 /// doi:10.1103/PhysRevB.81.205441. Valid for r > 0; the force is continuous, its derivative jumps
 /// at R - D and R + D.
 namespace tomlin {
+
+struct ForceRecord;  // framework/core/records/force.hpp
 
 /// The numbers of one triple of species, in eV and Angstrom, in the order in which LAMMPS has them
 /// in a file.

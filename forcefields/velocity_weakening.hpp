@@ -1,7 +1,6 @@
 #pragma once
 
 #include "framework/core/elements/element.hpp"
-#include "framework/core/records/registry.hpp"
 
 /// Dry friction on each particle that becomes weaker the faster it slides.
 ///
@@ -25,6 +24,8 @@
 /// Source: J. M. Carlson and J. S. Langer, Phys. Rev. A 40 (1989) 6470,
 /// doi:10.1103/PhysRevA.40.6470.
 namespace tomlin {
+
+struct ForceRecord;  // framework/core/records/force.hpp
 
 struct VelocityWeakeningDescription {
   double force = 0.0;

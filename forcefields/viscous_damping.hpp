@@ -1,7 +1,6 @@
 #pragma once
 
 #include "framework/core/elements/element.hpp"
-#include "framework/core/records/registry.hpp"
 
 /// Linear drag on each particle.
 ///
@@ -13,6 +12,8 @@
 /// make the exact flow v -> v exp(-c h/m) (framework/model/friction_kernels.hpp).
 /// Source: Sircar and Patra, eq. (7) with the sign of eq. (10), which dissipates.
 namespace tomlin {
+
+struct ForceRecord;  // framework/core/records/force.hpp
 
 struct ViscousDampingDescription {
   double coefficient = 0.0;

@@ -7,6 +7,9 @@
 /// Settings of the schemes that choose their steps.
 namespace tomlin {
 
+/// A remainder below this part of a step is taken along with it.
+inline constexpr double kStretchOfStep = 1.01;
+
 struct AdaptiveDescription {
   double absolute_tolerance = 0.0;
   double relative_tolerance = 0.0;

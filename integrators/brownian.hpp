@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -13,7 +12,8 @@
 #include "framework/core/records/integrator.hpp"
 #include "framework/core/system/scheme.hpp"
 #include "integrators/brownian_kernels.hpp"
-#include "integrators/hermite.hpp"
+#include "integrators/first_same_as_last.hpp"
+#include "integrators/spread_arrays.hpp"
 
 TOMLIN_DECLARE_TABLES(BrownianKernels, BrownianTable)
 
@@ -28,44 +28,30 @@ struct BrownianDescription {
 enum class BrownianNoise { of_the_step, averaged };
 
 template <class Real>
-class Brownian : public Integrator<Real> {
+class Brownian : public FirstSameAsLast<Real> {
  public:
-  Brownian(std::string name, BrownianNoise noise, System<Real>& system)
-      : Integrator<Real>(system),
-        name_(std::move(name)),
+  Brownian(const std::string& name, BrownianNoise noise, System<Real>& system)
+      : Base(name, ".slope", ".rates", true, system),
         noise_(noise),
         kernels_(kernels::BrownianKernels.on<Real>(system.set)),
-        hermite_(system.view.dofs, system.view.rates) {
+        memory_(8, 5 * system.view.dofs + 2 * system.view.rates + system.view.own) {
     const std::size_t n = system.view.dofs;
     const std::size_t m = system.view.rates;
-    memory_.assign(5 * (n + kGap) + 2 * (m + kGap) + system.view.own + kGap, Real(0.0));
-    Real* next = memory_.data();
-    const auto take = [&next](std::size_t count) {
-      return std::exchange(next, next + count + kGap);
-    };
-    arrays_.move = take(n);
-    arrays_.position = take(n);
-    displacements_ = take(n);
-    this_step_ = take(n);
-    next_step_ = take(n);
-    arrays_.end_rates = take(m);
-    start_rates_ = take(m);
-    arrays_.own = take(system.view.own);
+    arrays_.move = memory_.take(n);
+    arrays_.position = memory_.take(n);
+    displacements_ = memory_.take(n);
+    this_step_ = memory_.take(n);
+    next_step_ = memory_.take(n);
+    arrays_.end_rates = memory_.take(m);
+    start_rates_ = memory_.take(m);
+    arrays_.own = memory_.take(system.view.own);
     arrays_.noise = displacements_;
   }
 
-  void declare(StateLayout& layout) override {
-    layout.add_numbers<Real>(name_ + ".slope", system_.view.dofs);
-    layout.add_numbers<Real>(name_ + ".rates", system_.view.rates);
-    layout.add_integers(name_ + ".started", 1);
-    layout.add_integers(name_ + ".step", 1);
-  }
-
   void attach(RunState& state) override {
-    arrays_.slope = state.numbers<Real>(name_ + ".slope");
-    arrays_.rates = state.numbers<Real>(name_ + ".rates");
-    started_ = state.integers(name_ + ".started");
-    step_ = state.integers(name_ + ".step");
+    Base::attach(state);
+    arrays_.slope = first_;
+    arrays_.rates = first_rates_;
   }
 
   StepReport step_from(double since, double h, bool dense) override {
@@ -90,39 +76,21 @@ class Brownian : public Integrator<Real> {
     return {h, StepFault::none};
   }
 
-  const Real* first_rates() const override { return start_rates_; }
-  void forces_changed() override { *started_ = 0; }
-  void finish_dense_from(double) override {}
-
-  bool is_started() const override { return *started_ != 0; }
   void put_lane(const LaneLayout& layout, std::size_t lane, RunState& run) override {
-    if constexpr (std::is_same_v<Real, double>) {
-      layout.coordinates.put(run.reals(name_ + ".slope"), lane, layout.width, arrays_.slope);
-      layout.rates.put(run.reals(name_ + ".rates"), lane, layout.width, arrays_.rates);
-      ahead_.resize(layout.width, 0);
-      ahead_[lane] = *run.integers(name_ + ".step") - *step_;
-      *started_ = 1;
-      known_ = kNone;
-    }
-  }
-  void get_lane(const LaneLayout& layout, std::size_t lane, RunState& run) const override {
-    if constexpr (std::is_same_v<Real, double>) {
-      layout.coordinates.get(arrays_.slope, lane, layout.width, run.reals(name_ + ".slope"));
-      layout.rates.get(arrays_.rates, lane, layout.width, run.reals(name_ + ".rates"));
-      *run.integers(name_ + ".step") = *step_ + ahead_[lane];
-    }
-  }
-
-  void interpolate(double theta, double* position, double* velocity,
-                   double* integrals) const override {
-    hermite_.interpolate(theta, last_, system_.view, arrays_.slope, arrays_.rates, position,
-                         velocity, integrals);
+    Base::put_lane(layout, lane, run);
+    known_ = kNone;
   }
 
  private:
-  /// Between arrays, to keep them off powers of two.
-  static constexpr std::size_t kGap = 3 * kGroup;
-  using Integrator<Real>::system_;
+  using Base = FirstSameAsLast<Real>;
+  using Base::first_;
+  using Base::first_rates_;
+  using Base::hermite_;
+  using Base::last_;
+  using Base::start_rates_;
+  using Base::started_;
+  using Base::step_;
+  using Base::system_;
 
   void fill(std::uint64_t step, Real* numbers) {
     for (std::size_t k = 0; k < system_.view.noise_count; ++k) {
@@ -151,21 +119,14 @@ class Brownian : public Integrator<Real> {
 
   static constexpr std::uint64_t kNone = ~std::uint64_t{0};
 
-  std::string name_;
   BrownianNoise noise_;
   const BrownianTable<Real>& kernels_;
-  HermiteOutput<Real> hermite_;
-  AlignedVector<Real> memory_;
+  SpreadArrays<Real> memory_;
   BrownianArrays<Real> arrays_;
   Real* displacements_ = nullptr;
   Real* this_step_ = nullptr;
   Real* next_step_ = nullptr;
   std::uint64_t known_ = kNone;  ///< the step whose numbers next_step_ has
-  Real* start_rates_ = nullptr;
-  std::int64_t* started_ = nullptr;
-  std::int64_t* step_ = nullptr;     ///< so many have been taken
-  std::vector<std::int64_t> ahead_;  ///< steps of each replica in lanes, less those in lanes
-  double last_ = 0.0;
 };
 
 template <class Scheme, class Real>

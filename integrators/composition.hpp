@@ -7,14 +7,14 @@
 #include <memory>
 #include <string>
 #include <type_traits>
-#include <utility>
 #include <vector>
 
 #include "framework/core/elements/kernel_tables.hpp"
 #include "framework/core/records/integrator.hpp"
 #include "framework/core/system/scheme.hpp"
 #include "integrators/composition_kernels.hpp"
-#include "integrators/hermite.hpp"
+#include "integrators/first_same_as_last.hpp"
+#include "integrators/spread_arrays.hpp"
 
 namespace tomlin {
 
@@ -33,51 +33,36 @@ struct CompositionScheme {
 /// Symmetric compositions of kicks and drifts (composition_kernels.hpp). The last forces of a step
 /// are the next one's first, so that a step takes as many evaluations as drifts.
 template <class Real>
-class Composition : public Integrator<Real> {
+class Composition : public FirstSameAsLast<Real> {
  public:
   Composition(const CompositionScheme<Real>& scheme, System<Real>& system)
-      : Integrator<Real>(system),
-        name_(scheme.name),
+      : Base(scheme.name, ".force", ".rates", true, system),
         drifts_(scheme.drifts),
         kernels_(scheme.kernels),
-        hermite_(system.view.dofs, system.view.rates) {
+        memory_(13, 5 * system.view.dofs + 7 * system.view.rates + system.view.kinetic_count) {
     const std::size_t n = system.view.dofs;
     const std::size_t m = system.view.rates;
-    const std::size_t kinetic = system.view.kinetic_count;
-    memory_.assign(5 * (n + kGap) + 7 * (m + kGap) + kinetic + kGap, Real(0.0));
-    Real* next = memory_.data();
-    const auto take = [&next](std::size_t count) {
-      return std::exchange(next, next + count + kGap);
-    };
-    arrays_.move = take(n);
-    arrays_.position = take(n);
-    arrays_.velocity = take(n);
-    acceleration_ = take(n);
-    arrays_.end_rates = take(m);
-    arrays_.stage_rates = take(m);
-    arrays_.inner_rates = take(m);
-    arrays_.own = take(m);
-    start_rates_ = take(m);
-    arrays_.own_after = take(m);
-    slopes_ = take(m);
-    mass_ = take(n);
+    arrays_.move = memory_.take(n);
+    arrays_.position = memory_.take(n);
+    arrays_.velocity = memory_.take(n);
+    acceleration_ = memory_.take(n);
+    arrays_.end_rates = memory_.take(m);
+    arrays_.stage_rates = memory_.take(m);
+    arrays_.inner_rates = memory_.take(m);
+    arrays_.own = memory_.take(m);
+    start_rates_ = memory_.take(m);
+    arrays_.own_after = memory_.take(m);
+    slopes_ = memory_.take(m);
+    mass_ = memory_.take(n);
     for (std::size_t i = 0; i < n; ++i) know_mass(i);
     arrays_.mass = mass_;
-    arrays_.half_step_energy = take(kinetic);  // of any number: the last
-  }
-
-  void declare(StateLayout& layout) override {
-    layout.add_numbers<Real>(name_ + ".force", system_.view.dofs);
-    layout.add_numbers<Real>(name_ + ".rates", system_.view.rates);
-    layout.add_integers(name_ + ".started", 1);
-    layout.add_integers(name_ + ".step", 1);
+    arrays_.half_step_energy = memory_.take(system.view.kinetic_count);  // of any number: the last
   }
 
   void attach(RunState& state) override {
-    arrays_.force = state.numbers<Real>(name_ + ".force");
-    arrays_.rates = state.numbers<Real>(name_ + ".rates");
-    started_ = state.integers(name_ + ".started");
-    step_ = state.integers(name_ + ".step");
+    Base::attach(state);
+    arrays_.force = first_;
+    arrays_.rates = first_rates_;
   }
 
   StepReport step_from(double since, double h, bool dense) override {
@@ -103,29 +88,11 @@ class Composition : public Integrator<Real> {
     return {h, StepFault::none};
   }
 
-  const Real* first_rates() const override { return start_rates_; }
-  void forces_changed() override { *started_ = 0; }
-
-  bool is_started() const override { return *started_ != 0; }
   void put_lane(const LaneLayout& layout, std::size_t lane, RunState& run) override {
     if constexpr (std::is_same_v<Real, double>) {
-      if (lanes_.empty()) begin_lanes(layout);
-      Lane& own = lanes_[lane];
-      own = {run.reals(name_ + ".force"), run.reals(name_ + ".rates"),
-             run.integers(name_ + ".step")};
-      own.ahead = *own.step - *step_;
-      layout.coordinates.put(own.force, lane, layout.width, arrays_.force);
-      layout.rates.put(own.rates, lane, layout.width, arrays_.rates);
+      if (arrays_.lanes == 0) begin_lanes(layout);
+      Base::put_lane(layout, lane, run);
       for (std::size_t i = lane; i < system_.view.dofs; i += layout.width) know_mass(i);
-      *started_ = 1;
-    }
-  }
-  void get_lane(const LaneLayout& layout, std::size_t lane, RunState&) const override {
-    if constexpr (std::is_same_v<Real, double>) {
-      const Lane& own = lanes_[lane];
-      layout.coordinates.get(arrays_.force, lane, layout.width, own.force);
-      layout.rates.get(arrays_.rates, lane, layout.width, own.rates);
-      *own.step = *step_ + own.ahead;
     }
   }
 
@@ -140,21 +107,17 @@ class Composition : public Integrator<Real> {
   }
 
  private:
-  /// Between arrays, to keep them off powers of two.
-  static constexpr std::size_t kGap = 3 * kGroup;
-  using Integrator<Real>::system_;
-
-  /// A run in a lane: its numbers between steps, and how many more steps it has taken than the
-  /// lanes.
-  struct Lane {
-    double* force = nullptr;
-    double* rates = nullptr;
-    std::int64_t* step = nullptr;
-    std::int64_t ahead = 0;
-  };
+  using Base = FirstSameAsLast<Real>;
+  using Base::first_;
+  using Base::first_rates_;
+  using Base::hermite_;
+  using Base::last_;
+  using Base::start_rates_;
+  using Base::started_;
+  using Base::step_;
+  using Base::system_;
 
   void begin_lanes(const LaneLayout& layout) {
-    lanes_.resize(layout.width);
     energies_.assign(system_.view.kinetic_count * layout.width, Real(0.0));
     arrays_.lanes = layout.width;
     arrays_.indices = layout.coordinates.from.data();
@@ -166,21 +129,14 @@ class Composition : public Integrator<Real> {
     mass_[i] = inverse > Real(0.0) ? Real(1.0) / inverse : Real(0.0);
   }
 
-  std::string name_;
   unsigned drifts_;
   const CompositionTable<Real>& kernels_;
-  HermiteOutput<Real> hermite_;
-  AlignedVector<Real> memory_;
+  SpreadArrays<Real> memory_;
   CompositionArrays<Real> arrays_;
-  std::vector<Lane> lanes_;
   AlignedVector<Real> energies_;
   Real* mass_ = nullptr;
   Real* acceleration_ = nullptr;
-  Real* start_rates_ = nullptr;
   Real* slopes_ = nullptr;  ///< rates for dense output, the operators' among them
-  std::int64_t* started_ = nullptr;
-  std::int64_t* step_ = nullptr;  ///< so many have been taken
-  double last_ = 0.0;
 };
 
 template <class Scheme, const TablesByType<CompositionTable>& tables, class Real>

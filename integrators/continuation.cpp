@@ -31,22 +31,22 @@ constexpr double kBetterThanForetold = 1e-2;
 constexpr double kLeastError = 1e-6;
 constexpr double kLeastFactor = 0.2;
 constexpr double kMostFactor = 4.0;
-constexpr double kShorter = 0.25;  ///< after Newton's method has failed
-constexpr double kStretch = 1.5;   ///< of the time that is left
-constexpr double kSlowest = 1e3;   ///< pace of a scene, for the one that it begins a branch with
+constexpr double kFactorAfterFailure = 0.25;  ///< after Newton's method has failed
+constexpr double kStretchToEnd = 1.5;         ///< of the time that is left
+constexpr double kSlowestPace = 1e3;  ///< pace of a scene, for the one that it begins a branch with
 constexpr double kWithoutFreedom = 4.0;  ///< pace of a scene where nothing is free, in steps
 
 // Newton's method on a plane.
 constexpr int kMostCorrections = 8;
-constexpr double kClose = 1e-8;  ///< its next correction is below rounding
+constexpr double kQuadraticallyClose = 1e-8;  ///< its next correction is below rounding
 constexpr double kRounding = 1e-13;
-constexpr double kAboveNoise = 30.0;
-constexpr double kNotCloser = 0.5;
+constexpr double kNoiseFactor = 30.0;
+constexpr double kLargestContraction = 0.5;
 /// The curve turns less than 60 degrees in a step.
-constexpr double kSteepest = 2.0;
+constexpr double kSteepestTurn = 2.0;
 
 /// Steps are searched for the curve's turning back at so many points.
-constexpr int kLooks = 64;
+constexpr int kSearchPoints = 64;
 constexpr int kHalvings = 60;
 /// A fold is found when time changes there by no more than this part of the way.
 constexpr double kAtFold = 1e-7;
@@ -71,13 +71,13 @@ constexpr double kNoDistance = 1e-9;
 /// Forces that change by more than this part along the direction of instability break symmetry.
 constexpr double kInCommon = 1e-4;
 /// Random numbers of a run that is not disturbed.
-constexpr RandomKey kAlways{0, 2};
+constexpr RandomKey kUndisturbedKey{0, 2};
 /// Numbers for the random force have positions of their own in their stream.
 constexpr std::uint64_t kOfRandomForce = 8;
 /// Slips in a row without any time between them.
 constexpr std::int64_t kMostSlipsAtOnce = 1000;
 
-class Continuation : public Integrator<double>, public EquilibriumPath {
+class Continuation : public Integrator<double>, public EquilibriumPath, public ErrorControl {
  public:
   Continuation(const Description& description, System<double>& system)
       : Integrator<double>(system), d_(description), balance_(system), n_(balance_.size()) {
@@ -114,7 +114,7 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
     counts_ = state.integers("continuation.counts");
   }
 
-  EquilibriumPath* path() override { return this; }
+  Capabilities<double> capabilities() override { return {.path = this, .error_control = this}; }
   std::uint64_t refused_steps() const override {
     return static_cast<std::uint64_t>(counts_[kRefused]);
   }
@@ -211,11 +211,11 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
       if (counts_[kTaken] + counts_[kRefused] >= d_.most_steps) {
         return {0.0, StepFault::too_many_steps};
       }
-      const double length = std::min({next, kLongest, kStretch * h / nodes_[0].time_slope});
+      const double length = std::min({next, kLongest, kStretchToEnd * h / nodes_[0].time_slope});
       const std::optional<double> error = attempt(length, std::nullopt);
       if (!error || !(*error <= 1.0)) {
         ++counts_[kRefused];
-        next = length * (error ? std::max(kLeastFactor, shrunk(*error)) : kShorter);
+        next = length * (error ? std::max(kLeastFactor, shrunk(*error)) : kFactorAfterFailure);
         if (!(next >= kShortest)) return {0.0, StepFault::step_too_small};
         continue;
       }
@@ -223,7 +223,7 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
       if (const auto end = cut(h)) {
         if (*end == kFailed) {
           ++counts_[kRefused];
-          next = kShorter * length;
+          next = kFactorAfterFailure * length;
           if (!(next >= kShortest)) return {0.0, StepFault::step_too_small};
           continue;
         }
@@ -471,7 +471,7 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
     for (std::size_t k = 0; k < n_; ++k) {
       kick_[k] = pushed ? kOffUnstable * kick_[k] / length : 0.0;
       random_kick_[k] = (turned ? -1.0 : 1.0) * kOffUnstable * kRandomPart * balance_.unit(k) *
-                        uniform_symmetric(turned ? kAlways : random_, {k, 0, 0, 0});
+                        uniform_symmetric(turned ? kUndisturbedKey : random_, {k, 0, 0, 0});
     }
   }
 
@@ -554,14 +554,15 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
     for (std::size_t k = 0; k < n_; ++k) correction_[k] = last.position[k] - foretold_[k];
     double error = n_ > 0 ? balance_.largest(correction_.data()) : 0.0;
     error = std::max(error, speed() * std::abs(last.time - foretold_time_));
-    return kBetterThanForetold * error / std::max(d_.tolerance, kAboveNoise * balance_.noise());
+    return kBetterThanForetold * error / std::max(d_.tolerance, kNoiseFactor * balance_.noise());
   }
 
   /// F(q, t) = 0 on the plane at `length`, or at the node's time.
   bool correct(Node& node, double length, bool at_time) {
     double before = std::numeric_limits<double>::infinity();
-    const double noise = kAboveNoise * balance_.noise();
-    const double enough = std::max(std::clamp(0.1 * d_.tolerance, kRounding, kClose), noise);
+    const double noise = kNoiseFactor * balance_.noise();
+    const double enough =
+        std::max(std::clamp(0.1 * d_.tolerance, kRounding, kQuadraticallyClose), noise);
     if (n_ == 0) {
       if (!at_time) node.time = length / across_time_;
       balance_.evaluate(node.position.data(), since_ + node.time);
@@ -575,7 +576,7 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
       if (!solve_plane(off, at_time, in_time)) return false;
       const double size =
           std::max(balance_.largest(correction_.data()), speed() * std::abs(in_time));
-      if (!(size <= kLongest) || (k > 1 && size > kNotCloser * before && size > enough)) {
+      if (!(size <= kLongest) || (k > 1 && size > kLargestContraction * before && size > enough)) {
         return false;
       }
       if (size <= kRounding) return true;
@@ -649,7 +650,7 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
     }
     const double steepness =
         std::max(balance_.largest(node.slope.data()), speed() * std::abs(node.time_slope));
-    if (!(steepness <= kSteepest)) return false;
+    if (!(steepness <= kSteepestTurn)) return false;
     node.negative = balance_.factor(nullptr) ? balance_.negative() : 1;
     return true;
   }
@@ -761,8 +762,8 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
   static double first_zero(Function function) {
     double thetas[3] = {0.0, 0.0, 0.0};
     double values[3] = {0.0, 0.0, 0.0};
-    for (int k = 0; k <= kLooks; ++k) {
-      const double theta = static_cast<double>(k) / kLooks;
+    for (int k = 0; k <= kSearchPoints; ++k) {
+      const double theta = static_cast<double>(k) / kSearchPoints;
       std::rotate(thetas, thetas + 1, thetas + 3);
       std::rotate(values, values + 1, values + 3);
       thetas[2] = theta;
@@ -826,7 +827,7 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
   /// time does, the curve has no sharp bends.
   void slow_down(const Node& last) {
     const double moved = n_ > 0 ? balance_.norm(last.position.data()) : 0.0;
-    const double slowest = kSlowest * control_[kFirstPace];
+    const double slowest = kSlowestPace * control_[kFirstPace];
     if (control_[kPace] * moved < taken_) {
       control_[kPace] = moved * slowest > taken_ ? taken_ / moved : slowest;
     }
@@ -971,7 +972,7 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
   std::optional<std::size_t> tied_;
   double disturbance_ = 0.0;
   std::vector<double> random_force_;  ///< the same in all of a run
-  RandomKey random_ = kAlways;
+  RandomKey random_ = kUndisturbedKey;
 };
 
 double no_fixed_step(const void*) { return 0.0; }

@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "framework/core/numbers/math.hpp"
 #include "framework/core/records/integrator.hpp"
@@ -14,13 +12,12 @@
 #include "framework/core/system/tolerance.hpp"
 #include "integrators/adaptive.hpp"
 #include "integrators/embedded_kernels.hpp"
+#include "integrators/spread_arrays.hpp"
 
 /// Adaptive schemes around the kernels of an embedded pair: step control, failure, dense output.
 namespace tomlin {
 
 inline constexpr double kLeastOldError = 1e-4;
-/// A remainder below this part of a step is taken along with it.
-inline constexpr double kStretchOfStep = 1.01;
 
 /// The next step after an attempt that was accepted; `factor`: see EmbeddedTable::accepted_factor.
 inline double next_after(const StepControl& law, double step, double error, double factor,
@@ -46,7 +43,7 @@ struct EmbeddedScheme {
 };
 
 template <class Real>
-class EmbeddedPair : public Integrator<Real> {
+class EmbeddedPair : public Integrator<Real>, public ErrorControl, public DenseRates {
  public:
   EmbeddedPair(const EmbeddedScheme<Real>& scheme, const AdaptiveDescription& description,
                System<Real>& system)
@@ -57,25 +54,22 @@ class EmbeddedPair : public Integrator<Real> {
         end_(scheme.end),
         slopes_(scheme.end + 1 + scheme.extra),
         control_law_(scheme.control),
-        kernels_(scheme.kernels) {
+        kernels_(scheme.kernels),
+        memory_(static_cast<std::size_t>(3 * slopes_ + 8),
+                static_cast<std::size_t>(2 * slopes_ + 4) * system.view.dofs +
+                    static_cast<std::size_t>(slopes_ + 4) * system.view.rates) {
     d_.absolute_tolerance /= static_cast<double>(tolerance_scales(system.view).length);
     const std::size_t n = system.view.dofs;
     const std::size_t m = system.view.rates;
-    const auto slopes = static_cast<std::size_t>(slopes_);
-    memory_.assign((2 * slopes + 4) * (n + kGap) + (slopes + 4) * (m + kGap), Real(0.0));
-    Real* next = memory_.data();
-    const auto take = [&next](std::size_t count) {
-      return std::exchange(next, next + count + kGap);
-    };
-    for (int s = 0; s < slopes_; ++s) arrays_.velocity[s] = take(n);
-    for (int s = 1; s < slopes_; ++s) arrays_.acceleration[s] = take(n);
-    for (int s = 1; s < slopes_; ++s) arrays_.rates[s] = take(m);
-    arrays_.position = take(n);
-    arrays_.integrals = take(m);
-    start_position_ = take(n);
-    start_acceleration_ = take(n);
-    start_integrals_ = take(m);
-    start_rates_ = take(m);
+    for (int s = 0; s < slopes_; ++s) arrays_.velocity[s] = memory_.take(n);
+    for (int s = 1; s < slopes_; ++s) arrays_.acceleration[s] = memory_.take(n);
+    for (int s = 1; s < slopes_; ++s) arrays_.rates[s] = memory_.take(m);
+    arrays_.position = memory_.take(n);
+    arrays_.integrals = memory_.take(m);
+    start_position_ = memory_.take(n);
+    start_acceleration_ = memory_.take(n);
+    start_integrals_ = memory_.take(m);
+    start_rates_ = memory_.take(m);
   }
 
   void declare(StateLayout& layout) override {
@@ -135,6 +129,9 @@ class EmbeddedPair : public Integrator<Real> {
     if (counts_[kStarted] == kYes) counts_[kStarted] = kRefresh;
   }
   bool is_started() const override { return counts_[kStarted] == kYes; }
+  Capabilities<Real> capabilities() override {
+    return {.error_control = this, .dense_rates = this};
+  }
 
   void finish_dense_from(double since) override {
     if (kernels_.extra == nullptr || extra_known_) return;
@@ -159,14 +156,13 @@ class EmbeddedPair : public Integrator<Real> {
     kernels_.extension(integrals_of_step(system_.view.rates), theta, integrals);
   }
 
-  bool between(double theta, double* velocity, double* rates) const override {
+  void between(double theta, double* velocity, double* rates) const override {
     if (system_.view.inertial && kernels_.extra == nullptr) {
       kernels_.extension(velocities(), theta, velocity);
     } else {
       kernels_.slope_within(positions(), theta, velocity);
     }
     kernels_.slope_within(integrals_of_step(system_.view.used_rates), theta, rates);
-    return true;
   }
 
   std::uint64_t refused_steps() const override {
@@ -174,7 +170,6 @@ class EmbeddedPair : public Integrator<Real> {
   }
 
  private:
-  static constexpr std::size_t kGap = 3 * kGroup;
   enum { kNext, kOldError };
   enum { kStarted, kTaken, kRefused };
   /// Whether the first stage of the next step is known. kRefresh: all but that.
@@ -281,7 +276,7 @@ class EmbeddedPair : public Integrator<Real> {
   StepControl control_law_;
   using Integrator<Real>::system_;
   const EmbeddedTable<Real>& kernels_;
-  AlignedVector<Real> memory_;
+  SpreadArrays<Real> memory_;
   EmbeddedArrays<Real> arrays_;
   double* control_ = nullptr;
   std::int64_t* counts_ = nullptr;

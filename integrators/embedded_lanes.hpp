@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdint>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "framework/core/numbers/math.hpp"
@@ -13,6 +12,7 @@
 #include "integrators/adaptive.hpp"
 #include "integrators/embedded.hpp"
 #include "integrators/embedded_kernels.hpp"
+#include "integrators/spread_arrays.hpp"
 
 namespace tomlin {
 
@@ -27,31 +27,27 @@ class EmbeddedPairLanes : public AdaptiveLanes {
         name_(scheme.name),
         control_law_(scheme.control),
         kernels_(scheme.kernels),
-        lanes_(layout.width) {
+        lanes_(layout.width),
+        memory_(3 * stages_of(scheme) + 17, (2 * stages_of(scheme) + 4) * system.view.dofs +
+                                                (stages_of(scheme) + 1) * system.view.rates +
+                                                12 * layout.width) {
     const std::size_t n = system.view.dofs;
     const std::size_t m = system.view.rates;
     const std::size_t w = layout.width;
-    const auto stages = static_cast<std::size_t>(scheme.end) + 1;
-    memory_.assign((2 * stages + 4) * (n + kGap) + (stages + 1) * (m + kGap) + 12 * (w + kGap),
-                   0.0);
-    double* next = memory_.data();
-    const auto take = [&next](std::size_t count) {
-      return std::exchange(next, next + count + kGap);
-    };
-    for (std::size_t s = 0; s < stages; ++s) {
-      arrays_.velocity[s] = take(n);
-      arrays_.acceleration[s] = take(n);
-      arrays_.rates[s] = take(m);
+    for (std::size_t s = 0; s < stages_of(scheme); ++s) {
+      arrays_.velocity[s] = memory_.take(n);
+      arrays_.acceleration[s] = memory_.take(n);
+      arrays_.rates[s] = memory_.take(m);
     }
-    arrays_.position = take(n);
-    arrays_.integrals = take(m);
-    position_scale_ = take(n);
-    velocity_scale_ = take(n);
-    absolute_ = take(w);
-    relative_ = take(w);
-    numbers_ = take(w);
-    step_ = take(w);
-    old_error_ = take(w);
+    arrays_.position = memory_.take(n);
+    arrays_.integrals = memory_.take(m);
+    position_scale_ = memory_.take(n);
+    velocity_scale_ = memory_.take(n);
+    absolute_ = memory_.take(w);
+    relative_ = memory_.take(w);
+    numbers_ = memory_.take(w);
+    step_ = memory_.take(w);
+    old_error_ = memory_.take(w);
     for (const std::size_t k : layout.coordinates.from) residue_.push_back(k % kGroup);
     call_ = {.width = w,
              .coordinates = layout.coordinates.from.size(),
@@ -63,15 +59,15 @@ class EmbeddedPairLanes : public AdaptiveLanes {
              .relative_tolerance = relative_,
              .numbers = numbers_,
              .step = step_,
-             .elapsed = take(w),
-             .error = take(w),
-             .within_moves = take(w),
-             .accepted = take(w),
-             .evaluations = take(w),
+             .elapsed = memory_.take(w),
+             .error = memory_.take(w),
+             .within_moves = memory_.take(w),
+             .accepted = memory_.take(w),
+             .evaluations = memory_.take(w),
              .law = scheme.control,
              .old_error = old_error_,
-             .accepted_factor = take(w),
-             .refused_factor = take(w)};
+             .accepted_factor = memory_.take(w),
+             .refused_factor = memory_.take(w)};
   }
   EmbeddedPairLanes(const EmbeddedPairLanes&) = delete;
   EmbeddedPairLanes& operator=(const EmbeddedPairLanes&) = delete;
@@ -138,7 +134,9 @@ class EmbeddedPairLanes : public AdaptiveLanes {
   }
 
  private:
-  static constexpr std::size_t kGap = 3 * kGroup;
+  static std::size_t stages_of(const EmbeddedScheme<double>& scheme) {
+    return static_cast<std::size_t>(scheme.end) + 1;
+  }
 
   struct Lane {
     double smallest_step = 0.0;
@@ -204,7 +202,7 @@ class EmbeddedPairLanes : public AdaptiveLanes {
   const EmbeddedTable<double>& kernels_;
   std::vector<Lane> lanes_;
   std::vector<std::size_t> residue_;
-  AlignedVector<double> memory_;
+  SpreadArrays<double> memory_;
   EmbeddedArrays<double> arrays_;
   EmbeddedLanes call_;
   double* position_scale_ = nullptr;

@@ -13,7 +13,7 @@ namespace tomlin {
 namespace {
 
 /// Curvatures below this part of the typical one are rounding: such a direction is a zero mode.
-constexpr double kNothing = 1e-12;
+constexpr double kZeroMode = 1e-12;
 /// Masses that keep a stiffness with neutral directions from being singular, as a part of it.
 constexpr double kRegularising = 1e-9;
 constexpr double kMoreRegularising = 1e3;
@@ -27,19 +27,19 @@ constexpr int kJacobiSweeps = 30;
 constexpr double kLongInterval = 0.1;
 constexpr double kShortInterval = 1e-3;
 /// Second differences below this part of the first are rounding.
-constexpr double kStraight = 1e-10;
+constexpr double kLinearInTimePart = 1e-10;
 
 /// The flow, by the linearly implicit Euler rule: lengths in natural units, errors as parts of a
 /// step, rates as parts of the fastest.
-constexpr double kFurthest = 0.1;
-constexpr double kLargestError = 0.5;
-constexpr double kSmallError = 0.1;
-constexpr double kFaster = 0.125;
-constexpr double kSlower = 4.0;
+constexpr double kLongestFlowStep = 0.1;
+constexpr double kLargestFlowError = 0.5;
+constexpr double kSmallFlowError = 0.1;
+constexpr double kRateAfterSmallError = 0.125;
+constexpr double kRateAfterRefusal = 4.0;
 constexpr double kLeastRate = 1e-9;
 constexpr double kSlowRate = 1e-5;
-constexpr double kHardlyMoves = 1e-7;
-constexpr double kRests = 1e-12;
+constexpr double kSettledStep = 1e-7;
+constexpr double kRestingStep = 1e-12;
 constexpr int kMostFlowSteps = 5000;
 constexpr int kMostTries = 200;
 
@@ -163,7 +163,7 @@ void Equilibrium::look_at_time(const double* offset, double t, double pace) {
     first = std::max(first, unit_[k] * std::abs(change_[k] - scratch_[k]));
     second = std::max(second, unit_[k] * std::abs(force_[k] - 2.0 * change_[k] + scratch_[k]));
   }
-  control_[kLinearInTime] = second <= kStraight * first ? 1.0 : 0.0;
+  control_[kLinearInTime] = second <= kLinearInTimePart * first ? 1.0 : 0.0;
 }
 
 void Equilibrium::time_derivative(const double* offset, double t, double pace, double* result) {
@@ -337,7 +337,7 @@ void Equilibrium::find_neutral() {
   const std::size_t count = std::min(n_, kMostNeutral);
   iterate_subspace(count, kSubspaceIterations);
   std::size_t found = 0;
-  while (found < count && std::abs(ritz_[found]) <= kNothing * stiffness_scale()) ++found;
+  while (found < count && std::abs(ritz_[found]) <= kZeroMode * stiffness_scale()) ++found;
   std::copy(subspace_.begin(), subspace_.begin() + found * n_, control_ + kNumbers);
   control_[kNeutral] = static_cast<double>(found);
   if (found == count) return;
@@ -406,16 +406,16 @@ bool Equilibrium::descend(double* offset, double t) {
     for (int tries = 0;; ++tries) {
       if (tries == kMostTries) return false;
       if (!factor_flow(friction, rate)) {
-        rate *= kSlower;
+        rate *= kRateAfterRefusal;
         continue;
       }
       change_ = force_;
       tangent_.solve(change_.data());
       const double size = largest(change_.data());
       if (!std::isfinite(size)) return false;
-      if (size <= kRests) return true;
-      if (size > kFurthest) {
-        rate *= kSlower;
+      if (size <= kRestingStep) return true;
+      if (size > kLongestFlowStep) {
+        rate *= kRateAfterRefusal;
         continue;
       }
       // The remainder in the rule's equation is taken as a correction of the step.
@@ -426,14 +426,16 @@ bool Equilibrium::descend(double* offset, double t) {
       for (std::size_t k = 0; k < n_; ++k) scratch_[k] = force_[k] - rate * scratch_[k];
       tangent_.solve(scratch_.data());
       const double error = largest(scratch_.data()) / size;
-      if (!(error <= kLargestError)) {
+      if (!(error <= kLargestFlowError)) {
         force_ = held_;
-        rate *= kSlower;
+        rate *= kRateAfterRefusal;
         continue;
       }
       std::copy(trial_.begin(), trial_.end(), offset);
-      if (size <= kHardlyMoves && rate <= kSlowRate * fastest) return true;
-      if (error <= kSmallError) rate = std::max(kFaster * rate, kLeastRate * fastest);
+      if (size <= kSettledStep && rate <= kSlowRate * fastest) return true;
+      if (error <= kSmallFlowError) {
+        rate = std::max(kRateAfterSmallError * rate, kLeastRate * fastest);
+      }
       break;
     }
   }
@@ -449,7 +451,7 @@ bool Equilibrium::polish(double* offset, double t) {
     change_ = force_;
     tangent_.solve(change_.data());
     const double size = largest(change_.data());
-    if (!(size <= kFurthest)) return false;
+    if (!(size <= kLongestFlowStep)) return false;
     // Rounding: no better than the last time.
     if (k > 1 && size >= last) return true;
     for (std::size_t i = 0; i < n_; ++i) offset[i] += change_[i];

@@ -5,15 +5,15 @@
 #include <complex>
 #include <memory>
 #include <string>
-#include <type_traits>
-#include <utility>
 #include <vector>
 
 #include "framework/core/elements/kernel_tables.hpp"
 #include "framework/core/records/integrator.hpp"
 #include "framework/core/system/scheme.hpp"
+#include "integrators/first_same_as_last.hpp"
 #include "integrators/fixed_step_kernels.hpp"
 #include "integrators/hermite.hpp"
+#include "integrators/spread_arrays.hpp"
 
 /// Explicit Runge-Kutta schemes with a fixed step, around the kernels of one of them.
 namespace tomlin {
@@ -32,47 +32,33 @@ struct FixedStepScheme {
 
 /// Common parts of both forms of the scheme.
 template <class Real>
-class FixedStepBase : public Integrator<Real> {
+class FixedStepParts {
  public:
-  FixedStepBase(const FixedStepScheme<Real>& scheme, System<Real>& system)
-      : Integrator<Real>(system),
-        name_(scheme.name),
-        stages_(scheme.stages),
+  FixedStepParts(const FixedStepScheme<Real>& scheme, const SystemView<Real>& view)
+      : stages_(scheme.stages),
         kernels_(scheme.kernels),
-        hermite_(system.view.dofs, system.view.rates) {
-    const std::size_t n = system.view.dofs;
-    const std::size_t m = system.view.rates;
-    memory_.assign(7 * (n + kGap) + 5 * (m + kGap) + system.view.own + kGap, Real(0.0));
-    next_ = memory_.data();
-    for (Real*& a : arrays_.acceleration) a = take(n);
-    arrays_.stage_position = take(n);
-    arrays_.stage_velocity = take(n);
-    for (Real*& g : arrays_.rates) g = take(m);
-    arrays_.stage_own = take(system.view.own);
+        memory_(13, 7 * view.dofs + 5 * view.rates + view.own) {
+    for (Real*& a : arrays_.acceleration) a = memory_.take(view.dofs);
+    arrays_.stage_position = memory_.take(view.dofs);
+    arrays_.stage_velocity = memory_.take(view.dofs);
+    for (Real*& g : arrays_.rates) g = memory_.take(view.rates);
+    arrays_.stage_own = memory_.take(view.own);
   }
 
  protected:
-  /// Between arrays, to keep them off powers of two.
-  static constexpr std::size_t kGap = 3 * kGroup;
-
-  Real* take(std::size_t count) { return std::exchange(next_, next_ + count + kGap); }
-
-  std::string name_;
   unsigned stages_;
   const FixedStepTable<Real>& kernels_;
   FixedStepArrays<Real> arrays_;
-  HermiteOutput<Real> hermite_;
-  double last_ = 0.0;
-
- private:
-  AlignedVector<Real> memory_;
-  Real* next_ = nullptr;
+  SpreadArrays<Real> memory_;
 };
 
 template <class Real>
-class FixedStep : public FixedStepBase<Real> {
+class FixedStep : public Integrator<Real>, public PointBlocks<Real>, private FixedStepParts<Real> {
  public:
-  using FixedStepBase<Real>::FixedStepBase;
+  FixedStep(const FixedStepScheme<Real>& scheme, System<Real>& system)
+      : Integrator<Real>(system),
+        FixedStepParts<Real>(scheme, system.view),
+        hermite_(system.view.dofs, system.view.rates) {}
 
   StepReport step_from(double since, double h, bool dense) override {
     system_.evaluations += arrays_.first_known ? stages_ - 1 : stages_;
@@ -83,8 +69,8 @@ class FixedStep : public FixedStepBase<Real> {
     return {h, StepFault::none};
   }
 
-  bool has_point_block() const override {
-    return kernels_.point_block != nullptr && system_.view.point_force_count > 0;
+  Capabilities<Real> capabilities() override {
+    return {.point_blocks = is_in_registers() ? this : nullptr};
   }
 
   std::size_t point_block(std::size_t first, double h, std::size_t most,
@@ -132,9 +118,13 @@ class FixedStep : public FixedStepBase<Real> {
   }
 
  private:
+  bool is_in_registers() const {
+    return kernels_.point_block != nullptr && system_.view.point_force_count > 0;
+  }
+
   /// A particle alone takes the same step in registers, unless its accelerations are wanted after.
   bool one_step(double since, double h, bool dense) {
-    if (dense || arrays_.first_known || !has_point_block()) {
+    if (dense || arrays_.first_known || !is_in_registers()) {
       return kernels_.step(system_.view, arrays_, since, h);
     }
     Real position;
@@ -143,33 +133,30 @@ class FixedStep : public FixedStepBase<Real> {
                                 {arrays_.rates[0], &position, &velocity}) == 1;
   }
 
-  using Base = FixedStepBase<Real>;
-  using Base::arrays_;
-  using Base::hermite_;
-  using Base::kernels_;
-  using Base::last_;
-  using Base::stages_;
+  using FixedStepParts<Real>::arrays_;
+  using FixedStepParts<Real>::kernels_;
+  using FixedStepParts<Real>::stages_;
   using Integrator<Real>::system_;
+
+  HermiteOutput<Real> hermite_;
+  double last_ = 0.0;
 };
 
 /// Without inertia. The velocity is the slope at the end of a step, which is the next one's first:
 /// it is part of the state.
 template <class Real>
-class FixedStepDrift : public FixedStepBase<Real> {
+class FixedStepDrift : public FirstSameAsLast<Real>, private FixedStepParts<Real> {
  public:
   FixedStepDrift(const FixedStepScheme<Real>& scheme, System<Real>& system)
-      : FixedStepBase<Real>(scheme, system), start_rates_(Base::take(system.view.rates)) {}
-
-  void declare(StateLayout& layout) override {
-    layout.add_numbers<Real>(Base::name_ + ".first_slope", system_.view.dofs);
-    layout.add_numbers<Real>(Base::name_ + ".first_rates", system_.view.rates);
-    layout.add_integers(Base::name_ + ".started", 1);
+      : Base(scheme.name, ".first_slope", ".first_rates", false, system),
+        FixedStepParts<Real>(scheme, system.view) {
+    start_rates_ = memory_.take(system.view.rates);
   }
 
   void attach(RunState& state) override {
-    arrays_.acceleration[0] = state.numbers<Real>(Base::name_ + ".first_slope");
-    arrays_.rates[0] = state.numbers<Real>(Base::name_ + ".first_rates");
-    started_ = state.integers(Base::name_ + ".started");
+    Base::attach(state);
+    arrays_.acceleration[0] = first_;
+    arrays_.rates[0] = first_rates_;
   }
 
   StepReport step_from(double since, double h, bool dense) override {
@@ -192,47 +179,19 @@ class FixedStepDrift : public FixedStepBase<Real> {
     return {h, StepFault::none};
   }
 
-  const Real* first_rates() const override { return start_rates_; }
-  void forces_changed() override { *started_ = 0; }
-
-  bool is_started() const override { return *started_ != 0; }
-  void put_lane(const LaneLayout& layout, std::size_t lane, RunState& run) override {
-    if constexpr (std::is_same_v<Real, double>) {
-      layout.coordinates.put(run.reals(Base::name_ + ".first_slope"), lane, layout.width,
-                             arrays_.acceleration[0]);
-      layout.rates.put(run.reals(Base::name_ + ".first_rates"), lane, layout.width,
-                       arrays_.rates[0]);
-      *started_ = 1;
-    }
-  }
-  void get_lane(const LaneLayout& layout, std::size_t lane, RunState& run) const override {
-    if constexpr (std::is_same_v<Real, double>) {
-      layout.coordinates.get(arrays_.acceleration[0], lane, layout.width,
-                             run.reals(Base::name_ + ".first_slope"));
-      layout.rates.get(arrays_.rates[0], lane, layout.width,
-                       run.reals(Base::name_ + ".first_rates"));
-    }
-  }
-
-  void finish_dense_from(double) override {}
-
-  void interpolate(double theta, double* position, double* velocity,
-                   double* integrals) const override {
-    hermite_.interpolate(theta, last_, system_.view, arrays_.acceleration[0], arrays_.rates[0],
-                         position, velocity, integrals);
-  }
-
  private:
-  using Base = FixedStepBase<Real>;
-  using Base::arrays_;
+  using Base = FirstSameAsLast<Real>;
+  using Base::first_;
+  using Base::first_rates_;
   using Base::hermite_;
-  using Base::kernels_;
   using Base::last_;
-  using Base::stages_;
-  using Integrator<Real>::system_;
-
-  Real* start_rates_;
-  std::int64_t* started_ = nullptr;
+  using Base::start_rates_;
+  using Base::started_;
+  using Base::system_;
+  using FixedStepParts<Real>::arrays_;
+  using FixedStepParts<Real>::kernels_;
+  using FixedStepParts<Real>::memory_;
+  using FixedStepParts<Real>::stages_;
 };
 
 template <class Real>

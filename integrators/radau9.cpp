@@ -32,24 +32,22 @@ constexpr double kExponent = 1.0 / 6.0;  ///< the error is of order h^6
 constexpr double kLeastFactor = 0.2;
 constexpr double kMostFactor = 4.0;
 constexpr double kLeastOldError = 1e-2;
-constexpr double kAfterNoSolution = 0.4;
-/// A remainder below this part of a step is taken along with it.
-constexpr double kStretch = 1.01;
+constexpr double kFactorAfterNoSolution = 0.4;
 /// The first step moves coordinates by so many tolerances, at its first slope.
 constexpr double kFirstMove = 100.0;
 
 // Newton's iterations.
 constexpr int kMostIterations = 10;
-constexpr double kLeftOver = 0.01;  ///< of the tolerance, when they end
-constexpr double kAtOnce = 1e-3;    ///< of that: the first correction needs no second
-constexpr double kSlowest = 0.99;
+constexpr double kIterationError = 0.01;      ///< largest when they end, as a part of the tolerance
+constexpr double kSingleCorrection = 1e-3;    ///< of that: below it the first correction suffices
+constexpr double kLargestContraction = 0.99;  ///< ratio of corrections: above it they diverge
 /// K and G are taken at this part of a step: early ones converge slowly, late ones rest on guesses.
 constexpr double kLinearisedAt = 0.75;
 /// Most growth in a step: ln of the factor.
 constexpr double kMostGrowth = 2.0;
 constexpr int kMostHalvings = 200;
 /// A polynomial leads so many of its steps ahead, and no further.
-constexpr double kFarthest = 8.0;
+constexpr double kMostStepsAhead = 8.0;
 /// Corrections of this part of a number are rounding.
 constexpr double kRounding = 1e-13;
 
@@ -59,23 +57,23 @@ constexpr double kRestOfStart[] = {1.0, -12.5, 50.0, -87.5, 70.0, -21.0};
 // Running integrals. Their error is of order h^10 in a step, that of coordinates h^6.
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kIntegralsExponent = 0.6;
-constexpr double kDenseExponent = 0.85;  ///< within a step, of order h^7
-constexpr double kOfIntegrals = 10.0;    ///< times the tolerance: theirs, of what is dissipated
+constexpr double kDenseExponent = 0.85;       ///< within a step, of order h^7
+constexpr double kIntegralsTolerance = 10.0;  ///< in tolerances, of what is dissipated
 /// A step shorter than this part of a period may err by as much as one of that length: where rates
 /// jump, by a force or by what the last step's iterations left over, the error is in proportion to
 /// the step, and so is what the step dissipates.
 constexpr double kPartOfPeriod = 1e-4;
-constexpr double kLeftOverOfIntegrals = 0.1;  ///< of their tolerance, when iterations end
-constexpr int kMoreIterations = 10;           ///< for them, where coordinates need no more
+constexpr double kIterationErrorOfIntegrals = 0.1;  ///< as a part of their tolerance
+constexpr int kMoreIterations = 10;                 ///< for them, where coordinates need no more
 /// Roundings of a coordinate, and of a rate.
 constexpr double kUlpsOfCoordinate = 16.0;
 /// Corrections that shrink no faster, and are no larger, are rounding, too.
-constexpr double kNoMore = 0.5;
+constexpr double kContractionOfRounding = 0.5;
 constexpr double kMostUlps = 1e3;
 constexpr double kUlpsOfRate = 8.0;
 constexpr double kUlpsOfDifferences = 64.0;  ///< where a soft scene makes more of them
 
-class Radau9 : public Integrator<double> {
+class Radau9 : public Integrator<double>, public ErrorControl, public DenseRates {
  public:
   Radau9(const Description& description, System<double>& system)
       : Integrator<double>(system),
@@ -88,7 +86,7 @@ class Radau9 : public Integrator<double> {
         pairs_{tangent_.shifted(), tangent_.shifted()} {
     const SystemView<double>& s = system_.view;
     d_.absolute_tolerance /= scales_.length;
-    tolerance_ = kOfIntegrals * std::max(d_.absolute_tolerance, d_.relative_tolerance);
+    tolerance_ = kIntegralsTolerance * std::max(d_.absolute_tolerance, d_.relative_tolerance);
     for (int i = 0; i < kStages; ++i) {
       z_[i].assign(width_, 0.0);
       slope_[i].assign(width_, 0.0);
@@ -131,7 +129,7 @@ class Radau9 : public Integrator<double> {
     bool refused = false;
     for (;;) {
       next = std::min(next, d_.largest_step);
-      const bool ends = kStretch * next >= h && h <= d_.largest_step;
+      const bool ends = kStretchOfStep * next >= h && h <= d_.largest_step;
       const double trial_step = ends ? h : next;
       if (counts_[kTaken] + counts_[kRefused] >= d_.most_steps) {
         return {0.0, StepFault::too_many_steps};
@@ -150,7 +148,7 @@ class Radau9 : public Integrator<double> {
       }
       ++counts_[kRefused];
       refused = true;
-      double factor = std::min(kAfterNoSolution, trial.longest / trial_step);
+      double factor = std::min(kFactorAfterNoSolution, trial.longest / trial_step);
       if (trial.within_moves && std::isfinite(trial.error)) {
         factor = std::clamp(kSafety * pow(trial.error, -kExponent), kLeastFactor, kSafety);
       }
@@ -166,6 +164,10 @@ class Radau9 : public Integrator<double> {
 
   void forces_changed() override {
     if (counts_[kStarted] == kYes) counts_[kStarted] = kRefresh;
+  }
+
+  Capabilities<double> capabilities() override {
+    return {.error_control = this, .dense_rates = this};
   }
 
   void finish_dense_from(double) override {}
@@ -194,11 +196,10 @@ class Radau9 : public Integrator<double> {
     velocity_within(theta, velocity);
   }
 
-  bool between(double theta, double* velocity, double* rates) const override {
+  void between(double theta, double* velocity, double* rates) const override {
     velocity_within(theta, velocity);
     const Weights here = lagrange(theta);
     for (std::size_t k = 0; k < system_.view.used_rates; ++k) rates[k] = combined_rates(here, k);
-    return true;
   }
 
   std::uint64_t refused_steps() const override {
@@ -359,7 +360,7 @@ class Radau9 : public Integrator<double> {
   }
 
   bool leads(double h) const {
-    return control_[kOldStep] > 0.0 && h <= kFarthest * control_[kOldStep];
+    return control_[kOldStep] > 0.0 && h <= kMostStepsAhead * control_[kOldStep];
   }
 
   /// The first guess of the way at a fraction x of the step: along the last polynomial, or
@@ -479,12 +480,14 @@ class Radau9 : public Integrator<double> {
       if (!std::isfinite(change)) return Solution::not_finite;
       const double rate = iteration > 0 ? change / last : 0.0;
       if (!placed && iteration == 0) {
-        placed = change <= kAtOnce * kLeftOver;
+        placed = change <= kSingleCorrection * kIterationError;
       } else if (!placed) {
-        if (rate >= kSlowest) return Solution::none;
+        if (rate >= kLargestContraction) return Solution::none;
         const double left = rate / (1.0 - rate) * change;
-        placed = left <= kLeftOver;
-        if (left * pow(rate, kMostIterations - 1 - iteration) > kLeftOver) return Solution::none;
+        placed = left <= kIterationError;
+        if (left * pow(rate, kMostIterations - 1 - iteration) > kIterationError) {
+          return Solution::none;
+        }
       }
       if (placed && (unwatched() || (iteration > 0 && integrals_settled(h, moved, rate)))) {
         return Solution::found;
@@ -533,14 +536,15 @@ class Radau9 : public Integrator<double> {
   /// Whether another iteration would change them by no more than is allowed, or than rounding does;
   /// the last one has by `moved`.
   bool integrals_settled(double h, double moved, double rate) {
-    const double allowed = kLeftOverOfIntegrals * tolerance_ * scale_;
+    const double allowed = kIterationErrorOfIntegrals * tolerance_ * scale_;
     if (rate < 1.0 && rate / (1.0 - rate) * moved <= allowed) return true;
     double largest = 0.0;
     for (const WatchedIntegral& w : watched_) {
       largest = std::max(largest, w.speed * largest_rate(w.rate));
     }
     const double ulps = largest_change_ / (kEpsilon * farthest() + 1e-300);
-    const bool converges = ulps > kUlpsOfCoordinate && (rate < kNoMore || ulps > kMostUlps);
+    const bool converges =
+        ulps > kUlpsOfCoordinate && (rate < kContractionOfRounding || ulps > kMostUlps);
     if (converges && moved > kUlpsOfRate * kEpsilon * h * largest) return false;
     rounded_ = moved;
     return true;

@@ -46,8 +46,11 @@ RunContext::RunContext(const std::shared_ptr<const Scene>& scene_of_run,
   integrator = bound_by(from, "integrator", [&] {
     return integrator_in(scene->run.number_type, model, from.description.get(), scheme);
   });
-  path = integrator->path();
-  integrator->watch(watched_integrals(model), along_with_drivers(model));
+  const Capabilities<double> capabilities = integrator->capabilities();
+  path = capabilities.path;
+  if (ErrorControl* const control = capabilities.error_control) {
+    control->watch(watched_integrals(model), along_with_drivers(model));
+  }
 }
 
 void RunContext::anchor_here() {

@@ -82,6 +82,8 @@ struct RunContext {
   bool stopped() const;
   double tolerance() const;  ///< of an adaptive scheme; else 0
 
+  /// Null where the steps of the scene are not taken in registers.
+  PointBlocks<double>* point_blocks() const { return integrator->capabilities().point_blocks; }
   /// One step of the scheme; code of a plugin may be in it.
   StepReport step_from(double since, double h, bool dense);
   void fail(StepFault fault, double h);

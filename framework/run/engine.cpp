@@ -328,7 +328,10 @@ RunResult Engine::Parts::result() {
   const RunOutcome& outcome = run.outcome;
   const MeasureWindow& window = observation.window();
   RunResult result;
-  run.attempt([&] { result.refused_steps = run.integrator->refused_steps(); });
+  run.attempt([&] {
+    const ErrorControl* const control = run.integrator->capabilities().error_control;
+    if (control) result.refused_steps = control->refused_steps();
+  });
   result.status = outcome.failure       ? RunStatus::failed
                   : outcome.interrupted ? RunStatus::interrupted
                                         : RunStatus::finished;
@@ -392,7 +395,7 @@ std::string Engine::why_not_in_lanes() const {
   if (parts_->uncontrolled.any()) return "forces on what does not move need a control of the step";
   if (run.options.perturbation) return "noise is added to it";
   if (parts_->until_error) return "until looks at an error after every block of steps";
-  const bool sees_steps = !watches_steps() || run.integrator->has_point_block();
+  const bool sees_steps = !watches_steps() || run.point_blocks() != nullptr;
   if (parts_->observation.looks_within_steps() || !sees_steps) {
     return "an observable needs every step: extremes, events, heat or an observer of a plugin";
   }

@@ -46,7 +46,7 @@ void Signals::set_directions() {
   }
 }
 
-SignalSpan::SignalSpan(Model& model, const Signals& signals, const Integrator<double>& integrator)
+SignalSpan::SignalSpan(Model& model, const Signals& signals, Integrator<double>& integrator)
     : model_(model),
       signals_(signals),
       integrator_(integrator),
@@ -59,7 +59,9 @@ SignalSpan::SignalSpan(Model& model, const Signals& signals, const Integrator<do
 }
 
 bool SignalSpan::read_dense(double theta, double time, std::vector<double>& into) const {
-  if (!integrator_.between(theta, velocity_.data(), rates_.data())) return false;
+  const DenseRates* const dense = integrator_.capabilities().dense_rates;
+  if (dense == nullptr) return false;
+  dense->between(theta, velocity_.data(), rates_.data());
   if (evaluates_) evaluate(theta);
   signals_.write_forces(rates_.data(), into.data());
   signals_.write_speeds(velocity_.data(), time, into.data());

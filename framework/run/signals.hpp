@@ -89,7 +89,7 @@ struct SignalBlock {
 /// goes. The dense output tells more where there is one.
 class SignalSpan {
  public:
-  SignalSpan(Model& model, const Signals& signals, const Integrator<double>& integrator);
+  SignalSpan(Model& model, const Signals& signals, Integrator<double>& integrator);
   /// From now on forces within a step are evaluated at the state of the dense output: where no
   /// error estimate controls them, its polynomial through rates is beyond the largest force.
   void evaluate_forces() { evaluates_ = true; }
@@ -114,7 +114,7 @@ class SignalSpan {
 
   Model& model_;
   const Signals& signals_;
-  const Integrator<double>& integrator_;
+  Integrator<double>& integrator_;
   bool evaluates_ = false;
   mutable AlignedVector<double> position_;  // aligned: kernels read them
   mutable AlignedVector<double> velocity_;

@@ -6,46 +6,28 @@
 
 The residue of an approximant's ground state, R = -det(H)/4 with H the second derivatives of its
 energy, goes to 0 with the number of particles below K_c and to minus infinity above; at K_c it goes
-to a number of its own. Solved for K at each approximant, by secants in ln(-R); what they tend to is
-told by Aitken's rule from the last three.
+to a number of its own. Solved for K at each approximant, by secants in ln(-R); Aitken's rule gives
+the limit from the last three.
 
 Exit status: 0 done, 1 a run failed, 2 bad arguments.
 """
 
 import argparse
-import json
 import math
 import pathlib
-import subprocess
 import sys
 import tempfile
 
-SCENE = pathlib.Path(__file__).resolve().parent / "ground_state.toml"
+from approximants import add_arguments, periods_of, run
+
 FIRST = (0.965, 0.975)  # between which secants begin
 CLOSE = 1e-11
 MOST = 30
 
 
-def periods_of(particles):
-    """The Fibonacci number before `particles`; raises ValueError if that is none."""
-    before, number = 1, 2
-    while number < particles:
-        before, number = number, before + number
-    if number != particles:
-        raise ValueError
-    return before
-
-
 def log_residue(program, folder, K, particles):
     """ln(-R) of the ground state."""
-    command = [str(program), "run", str(SCENE), "--force", "-o", str(folder)]
-    for path, value in {"K": f"{K:.17g}", "N": particles, "L": periods_of(particles)}.items():
-        command += ["--set", f"{path}={value}"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        raise RuntimeError(f"{' '.join(command)}\nends with status {done.returncode}:\n"
-                           f"{done.stderr}")
-    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    summary = run(program, folder, "ground_state.toml", particles, {"K": f"{K:.17g}"})
     return summary["equilibrium"]["log_determinant"] - math.log(4.0)
 
 
@@ -69,8 +51,7 @@ def limit(a, b, c):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("program", type=pathlib.Path)
-    parser.add_argument("--particles", type=int, nargs="+", default=[34, 55, 89, 144, 233])
+    add_arguments(parser, [34, 55, 89, 144, 233])
     parser.add_argument("--residue", type=float, default=-0.255426)
     arguments = parser.parse_args()
     if arguments.residue >= 0.0:
@@ -79,17 +60,13 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         for particles in arguments.particles:
             try:
-                periods = periods_of(particles)
-            except ValueError:
-                parser.error(f"{particles} is no Fibonacci number")
-            try:
                 found.append(strength_at(arguments.program, pathlib.Path(folder) / "run",
                                          arguments.residue, particles))
             except RuntimeError as error:
                 print(error, file=sys.stderr)
                 return 1
-            told = f"  limit {limit(*found[-3:]):.9f}" if len(found) > 2 else ""
-            print(f"{periods}/{particles}: K = {found[-1]:.9f}{told}", flush=True)
+            tends_to = f"  limit {limit(*found[-3:]):.9f}" if len(found) > 2 else ""
+            print(f"{periods_of(particles)}/{particles}: K = {found[-1]:.9f}{tends_to}", flush=True)
     return 0
 
 

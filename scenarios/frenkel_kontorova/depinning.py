@@ -11,26 +11,15 @@ Exit status: 0 done, 1 a run failed, 2 bad arguments.
 """
 
 import argparse
-import json
 import math
 import pathlib
-import subprocess
 import sys
 import tempfile
 
-SCENE = pathlib.Path(__file__).resolve().parent / "golden_mean.toml"
+from approximants import add_arguments, periods_of, run
+
 SETTLED = 3000.0  # by then the chain has found its shape
 SMALLEST = 1e-6  # what needs less force than this is called sliding
-
-
-def periods_of(particles):
-    """The Fibonacci number before `particles`; raises ValueError if that is none."""
-    before, number = 1, 2
-    while number < particles:
-        before, number = number, before + number
-    if number != particles:
-        raise ValueError
-    return before
 
 
 def slides(program, folder, K, particles, force, digits):
@@ -38,17 +27,9 @@ def slides(program, folder, K, particles, force, digits):
     # Just above F_c the chain crosses the bottleneck at about sqrt(F^2 - F_c^2).
     speed = force * math.sqrt(2.0 * 10.0**-digits)
     window = 2.0 / (particles * speed)
-    settings = {"K": K, "N": particles, "L": periods_of(particles), "F": f"{force:.17g}",
-                "run.duration": SETTLED + window, "measure.from": SETTLED,
-                "measure.to": SETTLED + window}
-    command = [str(program), "run", str(SCENE), "--force", "-o", str(folder)]
-    for path, value in settings.items():
-        command += ["--set", f"{path}={value}"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        raise RuntimeError(f"{' '.join(command)}\nends with status {done.returncode}:\n"
-                           f"{done.stderr}")
-    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    summary = run(program, folder, "golden_mean.toml", particles, {
+        "K": K, "F": f"{force:.17g}", "run.duration": SETTLED + window, "measure.from": SETTLED,
+        "measure.to": SETTLED + window})
     moved = summary["bodies"]["chain"]["mean_velocity"][0] * window
     return moved * particles > 1.0
 
@@ -69,26 +50,17 @@ def depinning_force(program, folder, K, particles, digits):
 
 def main():
     parser = argparse.ArgumentParser(description="Depinning forces of golden-mean chains.")
-    parser.add_argument("program", metavar="PROGRAM", type=pathlib.Path, help="build/bin/tomlin")
+    add_arguments(parser, [21, 34, 55])
     parser.add_argument("-K", type=float, nargs="+", default=[0.9, 1.05])
-    parser.add_argument("--particles", type=int, nargs="+", default=[21, 34, 55],
-                        help="Fibonacci numbers (21 34 55)")
     parser.add_argument("--digits", type=int, default=2, help="of the force (2)")
     arguments = parser.parse_args()
-    if not arguments.program.is_file():
-        parser.error(f"{arguments.program} is not a program; ./dev build makes build/bin/tomlin")
-    for particles in arguments.particles:
-        try:
-            periods_of(particles)
-        except ValueError:
-            parser.error(f"{particles} is no Fibonacci number from 2 on")
 
     print("      K   L/N      depinning force, per particle", flush=True)
     with tempfile.TemporaryDirectory(prefix="tomlin-depinning-") as name:
         for K in arguments.K:
             for particles in arguments.particles:
                 try:
-                    force = depinning_force(arguments.program.resolve(),
+                    force = depinning_force(arguments.program,
                                             pathlib.Path(name) / "run", K, particles,
                                             arguments.digits)
                 except RuntimeError as failure:

@@ -36,8 +36,8 @@ struct EquilibriumState {
   std::vector<std::size_t> neutral_at;  ///< the coordinate that moves most, of each direction
 };
 
-/// Schemes that follow equilibria offer this beside steps. A step ends at the latest where the
-/// equilibrium loses its stability; the scene then slips to the next one, in no time.
+/// Schemes that follow equilibria offer this. A step ends at the latest where the equilibrium loses
+/// its stability; the scene then slips to the next one, in no time.
 class EquilibriumPath {
  public:
   virtual ~EquilibriumPath() = default;
@@ -54,13 +54,11 @@ class EquilibriumPath {
   virtual bool jumped() const = 0;
   /// If the last settle() or slip() was a tie, no force but rounding preferring the equilibrium
   /// that it took, returns the coordinate in which that differs most from the other one.
-  virtual std::optional<std::size_t> tied() const { return std::nullopt; }
+  virtual std::optional<std::size_t> tied() const = 0;
   /// Before settle(): steady random forces, which displace the first equilibrium by about `size`,
   /// decide from then on where nothing stronger does. Those of streams 1 and 2, 3 and 4, ... are
   /// opposite, so that an unstable equilibrium is left to opposite sides wherever they decide.
-  virtual void disturb(double size, std::uint64_t seed, std::uint64_t stream) {
-    (void)size, (void)seed, (void)stream;
-  }
+  virtual void disturb(double size, std::uint64_t seed, std::uint64_t stream) = 0;
 
   /// Moments of the last step, close enough that cubics through each four show all that it does;
   /// the first is its start and the last its end.
@@ -81,6 +79,69 @@ struct WatchedIntegral {
   std::size_t rate = 0;  ///< where it stands among the rates
   double speed = 1.0;
   double stiffness = 0.0;  ///< by how much the rate changes where a coordinate does
+};
+
+/// Schemes that choose their steps by an estimate of the error offer this.
+class ErrorControl {
+ public:
+  virtual ~ErrorControl() = default;
+
+  /// Attempts that the estimate has refused.
+  virtual std::uint64_t refused_steps() const = 0;
+  /// Before the first step: integrals whose error a scheme may hold against what is dissipated,
+  /// which is no less on average than at the velocities `along`, [dofs]: all move with the drivers.
+  virtual void watch(const std::vector<WatchedIntegral>& integrals,
+                     const std::vector<double>& along) {
+    (void)integrals, (void)along;
+  }
+  /// Error of the works among them that rounding has made so far, where that is more than the
+  /// tolerance allows; an energy.
+  virtual double rounding_of_works() const { return 0.0; }
+
+ protected:
+  ErrorControl() = default;
+};
+
+/// Schemes whose dense output has velocities and rates of its own, without an evaluation, offer
+/// this.
+class DenseRates {
+ public:
+  virtual ~DenseRates() = default;
+
+  /// Velocities and rates at a fraction theta of the last step, to the order of the dense output.
+  virtual void between(double theta, double* velocity, double* rates) const = 0;
+
+ protected:
+  DenseRates() = default;
+};
+
+/// Fixed steps of a single particle without leaving registers.
+template <class Real>
+class PointBlocks {
+ public:
+  virtual ~PointBlocks() = default;
+
+  /// Up to `most` plain steps, the first `first` steps of `h` after the anchor: returns how many
+  /// were taken before one failed (all, when none did).
+  virtual std::size_t point_block(std::size_t first, double h, std::size_t most,
+                                  const PointStarts<Real>& starts) = 0;
+
+ protected:
+  PointBlocks() = default;
+};
+
+/// A fixed scheme over a system of replicas in lanes (lanes.hpp) offers this where a run has
+/// numbers of its own between steps.
+class FixedLanes {
+ public:
+  virtual ~FixedLanes() = default;
+
+  /// From the state of the run in a lane, and back.
+  virtual void put_lane(const LaneLayout& layout, std::size_t lane, RunState& run) = 0;
+  virtual void get_lane(const LaneLayout& layout, std::size_t lane, RunState& run) const = 0;
+
+ protected:
+  FixedLanes() = default;
 };
 
 /// An adaptive scheme over a system of replicas in lanes, each with its own tolerances, control and
@@ -111,6 +172,16 @@ class AdaptiveLanes {
   AdaptiveLanes() = default;
 };
 
+/// The interfaces beyond steps that a scheme has for its system at present; null: not that one.
+template <class Real>
+struct Capabilities {
+  EquilibriumPath* path = nullptr;
+  ErrorControl* error_control = nullptr;
+  DenseRates* dense_rates = nullptr;
+  FixedLanes* lanes = nullptr;
+  PointBlocks<Real>* point_blocks = nullptr;
+};
+
 /// Advances position, velocity and integrals of a system. All three are known at the same time at
 /// the end of every step.
 template <class Real>
@@ -134,15 +205,6 @@ class Integrator {
     return step_from(0.0, h, dense);
   }
 
-  /// Up to `most` plain steps in one go for scenes with `point_forces`, the first `first` steps of
-  /// `h` after the anchor: returns how many were taken before one failed (all, when none did).
-  virtual bool has_point_block() const { return false; }
-  virtual std::size_t point_block(std::size_t first, double h, std::size_t most,
-                                  const PointStarts<Real>& starts) {
-    (void)first, (void)h, (void)most, (void)starts;
-    return 0;
-  }
-
   /// Rates at the start of the last step.
   virtual const Real* first_rates() const = 0;
 
@@ -154,13 +216,6 @@ class Integrator {
   /// no more.
   virtual void interpolate(double theta, double* position, double* velocity,
                            double* integrals) const = 0;
-
-  /// Velocities and rates at a fraction theta of the last step, to the order of the dense output
-  /// and without an evaluation. False for a scheme that cannot.
-  virtual bool between(double theta, double* velocity, double* rates) const {
-    (void)theta, (void)velocity, (void)rates;
-    return false;
-  }
 
   /// The origin has moved: drop what was computed ahead, so that it is computed as it would have
   /// been without samples.
@@ -174,32 +229,11 @@ class Integrator {
   /// state's bytes, and made again.
   virtual std::uint64_t evaluations_ahead() const { return 0; }
 
-  // Over a system of replicas in lanes (lanes.hpp): numbers of its own that a run has between
-  // steps, from the state of the run in a lane, and back. For schemes whose record says in_lanes.
-  virtual void put_lane(const LaneLayout& layout, std::size_t lane, RunState& run) {
-    (void)layout, (void)lane, (void)run;
-  }
-  virtual void get_lane(const LaneLayout& layout, std::size_t lane, RunState& run) const {
-    (void)layout, (void)lane, (void)run;
-  }
-  /// Whether these numbers of one run are known. Before its first step they are not.
+  /// Whether the numbers that a run has between steps are known. Before its first step they are
+  /// not.
   virtual bool is_started() const { return true; }
 
-  /// For a scheme that follows equilibria; null for all others.
-  virtual EquilibriumPath* path() { return nullptr; }
-
-  /// Before the first step: integrals whose error a scheme may hold against what is dissipated,
-  /// which is no less on average than at the velocities `along`, [dofs]: all move with the drivers.
-  virtual void watch(const std::vector<WatchedIntegral>& integrals,
-                     const std::vector<double>& along) {
-    (void)integrals, (void)along;
-  }
-  /// Error of the works among them that rounding has made so far, where that is more than the
-  /// tolerance allows; an energy.
-  virtual double rounding_of_works() const { return 0.0; }
-
-  /// Accepted and refused attempts of an adaptive scheme.
-  virtual std::uint64_t refused_steps() const { return 0; }
+  virtual Capabilities<Real> capabilities() { return {}; }
 
  protected:
   explicit Integrator(System<Real>& system) : system_(system) {}

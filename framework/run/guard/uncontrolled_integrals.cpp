@@ -164,13 +164,13 @@ UncontrolledIntegrals::Difference UncontrolledIntegrals::difference(const Double
                                  integrals_.data());
     run_.model.evaluate_at(begin + kGaussNode[node] * h, position_.data(), velocity_.data(),
                            integrals_.data(), values_.data());
-    const bool has_polynomial =
-        run_.integrator->between(kGaussNode[node], velocity_.data(), polynomial_.data());
+    const DenseRates* const dense = run_.integrator->capabilities().dense_rates;
+    if (dense) dense->between(kGaussNode[node], velocity_.data(), polynomial_.data());
     for (std::size_t k = 0; k < rates_.size(); ++k) {
       const double value = rates_[k].of(values_.data());
       sum_[k] = std::fma(kGaussWeight[node], value, sum_[k]);
       largest_[k] = std::max(largest_[k], std::abs(value));
-      if (!has_polynomial) continue;
+      if (!dense) continue;
       off_[k] = std::max(off_[k], std::abs(rates_[k].of(polynomial_.data()) - value));
     }
   }

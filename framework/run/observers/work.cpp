@@ -33,7 +33,8 @@ class Work : public RunObserver {
     for (const Model::Driver& driver : parts_.signals.drivers()) {
       work += parts_.window.gained(driver.first_rate + static_cast<std::ptrdiff_t>(parts_.axes()));
     }
-    const double rounding = run.integrator->rounding_of_works();
+    const ErrorControl* const control = run.integrator->capabilities().error_control;
+    const double rounding = control ? control->rounding_of_works() : 0.0;
     if (auto doubt = doubt_of_rounding(rounding, work, run.tolerance())) {
       run.outcome.warnings.push_back(*std::move(doubt));
     }

@@ -139,7 +139,7 @@ void Observation::attach(RunState& state) {
   events_.attach(state);
   samples_.attach(state);
   for (const auto& observer : observers_) observer->attach(state);
-  is_point_ = run_.plan.dt > 0.0 && run_.integrator->has_point_block();
+  is_point_ = run_.plan.dt > 0.0 && run_.point_blocks() != nullptr;
 }
 
 void Observation::start() {

@@ -6,7 +6,7 @@
 namespace tomlin {
 
 FixedGrid::FixedGrid(StepParts parts) : Stepping(std::move(parts)) {
-  if (!run_.integrator->has_point_block()) return;
+  if (!run_.point_blocks()) return;
   point_rates_.assign(kBlock * run_.model.system().view.rates, 0.0);
   point_positions_.assign(kBlock, 0.0);
   point_velocities_.assign(kBlock, 0.0);
@@ -36,7 +36,7 @@ void FixedGrid::advance(std::uint64_t most) {
     return;
   }
   // A ledger that is kept for some steps may end blocks in registers.
-  if (samples_each_step_ && !run_.integrator->has_point_block()) plain_left_ = 0;
+  if (samples_each_step_ && !run_.point_blocks()) plain_left_ = 0;
   if (parts_.triggers.waiting() || parts_.observation.looks_within_steps()) {
     plain_left_ = 0;
   } else if (plain_left_ == 0) {
@@ -114,7 +114,7 @@ std::int64_t FixedGrid::plain_steps() {
   const RunPlan& plan = run_.plan;
   const std::int64_t taken = run_.clock.grid_steps();
   samples_each_step_ =
-      run_.integrator->has_point_block() &&
+      run_.point_blocks() != nullptr &&
       parts_.observation.samples_each_step(plan.dt, static_cast<double>(taken + 1) * plan.dt);
   const double next_time =
       std::min(next_switch_time(), samples_each_step_ ? parts_.observation.next_edge()
@@ -131,7 +131,7 @@ std::int64_t FixedGrid::plain_steps() {
 void FixedGrid::take_block(std::int64_t most) {
   StepFault fault = StepFault::none;
   const std::int64_t taken =
-      run_.integrator->has_point_block() ? point_block(most, fault) : plain_block(most, fault);
+      run_.point_blocks() ? point_block(most, fault) : plain_block(most, fault);
   run_.check_arithmetic();
   run_.clock.add(taken, taken);
   run_.clock.keep_cost(run_.model.system());
@@ -154,8 +154,8 @@ std::int64_t FixedGrid::point_block(std::int64_t most, StepFault& fault) {
   const std::int64_t grid = run_.clock.grid_steps();
   const auto first = static_cast<std::size_t>(grid % kBlock);
   const auto wanted = static_cast<std::size_t>(most);
-  const auto taken =
-      static_cast<std::int64_t>(run_.integrator->point_block(first, run_.plan.dt, wanted, starts_));
+  const auto taken = static_cast<std::int64_t>(
+      run_.point_blocks()->point_block(first, run_.plan.dt, wanted, starts_));
   if (taken < most) fault = StepFault::not_finite_or_too_far;
   run_.seen = two_prod(static_cast<double>(grid + taken), run_.plan.dt);
   parts_.observation.point_block(grid, static_cast<std::size_t>(taken), starts_);

@@ -68,14 +68,14 @@ class MirroredIntegrator : public Integrator<double>, public ModelFollower {
     scheme_->interpolate(theta, position, velocity, integrals);
   }
 
-  bool between(double theta, double* velocity, double* rates) const override {
-    return scheme_->between(theta, velocity, rates);
-  }
-
   void rebased() override { scheme_->rebased(); }
   void forces_changed() override { scheme_->forces_changed(); }
   std::uint64_t evaluations_ahead() const override { return scheme_->evaluations_ahead(); }
-  std::uint64_t refused_steps() const override { return scheme_->refused_steps(); }
+  /// All that has nothing to do with the type of numbers.
+  Capabilities<double> capabilities() override {
+    const Capabilities<Real> own = scheme_->capabilities();
+    return {.error_control = own.error_control, .dense_rates = own.dense_rates};
+  }
 
   void start(const Perturbation* noise, const FinalState* from) override {
     SystemView<Real>& view = assembly_.system().view;

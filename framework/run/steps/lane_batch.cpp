@@ -68,7 +68,7 @@ LaneBatch::LaneBatch(Engine& like, std::size_t most)
   state_ = RunState(layout);
   integrator_->attach(state_);
   lane_block_ = lane_block_of(like.model(), run.scheme);
-  if (!like.integrator().has_point_block()) return;
+  if (like.context().point_blocks() == nullptr) return;
   const SystemView<double>& view = system_.system().view;
   const std::size_t states = (kBlockSteps + 1) * view.dofs;
   row_memory_.assign(2 * states + (kBlockSteps + 1) * view.rates, 0.0);
@@ -123,8 +123,8 @@ void LaneBatch::put(std::size_t k, Engine& run) {
     const RunContext& context = run.context();
     adaptive_->put(k, run.model().system(), context.scene->run.integrator.description.get(),
                    run.state());
-  } else {
-    integrator_->put_lane(system_.layout(), k, run.state());
+  } else if (FixedLanes* const lanes = integrator_->capabilities().lanes) {
+    lanes->put_lane(system_.layout(), k, run.state());
   }
 }
 
@@ -136,8 +136,8 @@ bool LaneBatch::bring_back(std::size_t k) {
   system_.get(k, lane.run->model());
   if (adaptive_) {
     adaptive_->get(k, lane.run->state());
-  } else {
-    integrator_->get_lane(system_.layout(), k, lane.run->state());
+  } else if (FixedLanes* const lanes = integrator_->capabilities().lanes) {
+    lanes->get_lane(system_.layout(), k, lane.run->state());
   }
   const std::int64_t taken = std::exchange(lane.taken, 0);
   steps_ += static_cast<std::uint64_t>(taken);

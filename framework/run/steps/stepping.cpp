@@ -27,7 +27,7 @@ StepReport Stepping::step_scheme(double since, double h, bool dense) {
 bool Stepping::may_be_in_lanes() const {
   const Observation& observation = parts_.observation;
   return !parts_.triggers.waiting() && !observation.looks_within_steps() &&
-         (!observation.watches() || run_.integrator->has_point_block()) &&
+         (!observation.watches() || run_.point_blocks() != nullptr) &&
          !parts_.observation.rotations().is_needed_at_every_step() && run_.integrator->is_started();
 }
 

@@ -79,7 +79,7 @@ struct EulerDescription {
   double dt = 0.0;
 };
 
-class SymplecticEuler final : public Integrator<double> {
+class SymplecticEuler final : public Integrator<double>, public ErrorControl {
  public:
   explicit SymplecticEuler(System<double>& system)
       : Integrator<double>(system), rates_(system.view.rates + 2 * kGroup, 0.0) {}
@@ -112,6 +112,7 @@ class SymplecticEuler final : public Integrator<double> {
     fail_if_asked("finish_dense_from");
     (void)since;
   }
+  Capabilities<double> capabilities() override { return {.error_control = this}; }
   std::uint64_t refused_steps() const override {
     fail_if_asked("refused_steps");
     return 0;
