@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -498,7 +497,9 @@ SweepPlan sweep_of_tips(const std::string& duration) {
 void BM_sweep_point(benchmark::State& state) {
   const SweepPlan plan = sweep_of_tips("1e-2");
   std::size_t point = 0;
-  for (auto _ : state) benchmark::DoNotOptimize(run_point(plan, point++ % plan.points()));
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(PointRun(plan, point++ % plan.points()).run());
+  }
   count_steps(state);
 }
 BENCHMARK(BM_sweep_point)->Name("pt sweep/tomlin");
@@ -507,9 +508,9 @@ BENCHMARK(BM_sweep_point)->Name("pt sweep/tomlin");
 class Points : public PointSource {
  public:
   Points(std::size_t points, std::size_t wanted) : points_(points), left_(wanted) {}
-  std::optional<std::size_t> take() override {
+  std::vector<std::size_t> take() override {
     if (left_ == 0) return {};
-    return --left_ % points_;
+    return {--left_ % points_};
   }
   void keep(std::size_t, const SweepRow& row) override { benchmark::DoNotOptimize(&row); }
 

@@ -12,7 +12,6 @@
 #include "framework/output/record.hpp"
 #include "framework/scene/scene_document.hpp"
 #include "framework/scene/text.hpp"
-#include "framework/study/sweep/line_end.hpp"
 
 namespace tomlin {
 namespace fs = std::filesystem;
@@ -86,7 +85,7 @@ void remove_points(const fs::path& folder, bool traces) {
     const std::string name = entry.filename().string();
     const std::size_t digits = std::min(name.find_first_not_of("0123456789"), name.size());
     const std::string rest = digits == 0 ? "-" : name.substr(digits);
-    for (const char* suffix : {".store", kLineEndSuffix}) {
+    for (const char* suffix : {kPointSuffix, kLineSuffix}) {
       if (rest == suffix || rest == unfinished(suffix)) fs::remove(entry, error);
     }
     if (!traces || !rest.empty() || !fs::is_directory(fs::symlink_status(entry, error))) continue;

@@ -115,7 +115,7 @@ void add_reference(Sections& rows, const Tradeoff& tradeoff) {
                                     error_text(tradeoff, reference.error),
                                     reference.settled ? "" : "; it has not stopped moving"));
   rows.row("  by", fmt::format("{}, {} = {:g}, {} evaluations, {:.2g} s", reference.method,
-                               to_string(reference.resolution), reference.knob_value,
+                               to_string(reference.resolution), reference.resolution_value,
                                reference.cost, reference.seconds));
   rows.row("  other scheme", second_text(tradeoff));
   rows.row("  quadruple", quadruple_text(tradeoff));
@@ -217,7 +217,7 @@ Json reference_entry(const Reference& reference) {
           {"error", reference.error},
           {"settled", reference.settled},
           {"rung", reference.method},
-          {to_string(reference.resolution), reference.knob_value},
+          {to_string(reference.resolution), reference.resolution_value},
           {"cost", reference.cost},
           {"seconds", reference.seconds},
           {"second",

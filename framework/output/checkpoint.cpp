@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
-
 #include "framework/output/checksum.hpp"
 
 namespace tomlin {
@@ -41,10 +39,7 @@ void write_checkpoint(const std::filesystem::path& file, const Checkpoint& check
     record.text(plugin.path);
     record.text(plugin.hash);
   }
-  std::uint64_t checksum = kFirstChecksum;
-  OutputFile output(file);
-  output.append(record.seal(checksum));
-  output.publish(lasting);
+  write_record_file(file, record, lasting);
   if (lasting == OutputFile::Lasting::with_its_name) synchronise_folder_of(file);
 }
 
@@ -53,16 +48,8 @@ Checkpoint read_checkpoint(const std::filesystem::path& file) {
 }
 
 Checkpoint parse_checkpoint(const std::string& file, std::span<const std::byte> bytes) {
-  std::uint64_t checksum = kFirstChecksum;
-  const auto content = record_content(file, bytes, checksum);
-  RecordReader record(file, content);
-  if (record_head(file, bytes.first(kRecordHead)).kind != RecordKind::checkpoint) {
-    record.refuse("not a checkpoint");
-  }
-  const auto format = record.number<std::uint32_t>();
-  if (format != kCheckpointFormat) {
-    record.refuse(fmt::format("its format is {}, this program's is {}", format, kCheckpointFormat));
-  }
+  RecordReader record = only_record(file, bytes, RecordKind::checkpoint);
+  record.require_format(kCheckpointFormat);
   Checkpoint checkpoint;
   checkpoint.program_version = record.text();
   checkpoint.scene = record.number<std::uint64_t>();

@@ -48,7 +48,7 @@ enum class LockOutcome {
   not_known,  ///< the file system has no locks
 };
 LockOutcome lock(const Descriptor& file);
-/// So that the names in a file's folder survive a power cut; the files themselves do not need it.
+/// Makes the names in a file's folder survive a power cut; the files themselves do not need it.
 void synchronise_folder_of(const std::filesystem::path& file);
 /// Whether the open file is the one of this name.
 bool is_at(const Descriptor& file, const std::filesystem::path& path);

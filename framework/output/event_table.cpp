@@ -1,23 +1,20 @@
 #include "framework/output/event_table.hpp"
 
 #include <cmath>
-#include <cstddef>
 #include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "framework/output/number_text.hpp"
+
 namespace tomlin {
 namespace {
 
-constexpr std::size_t kBuffer = std::size_t{1} << 16;  // bytes that are written at once
-
 /// Names with a comma, a quote or a line break stand in quotes.
 std::string cell(std::string_view text) {
-  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
-  std::string quoted = "\"";
-  for (const char c : text) quoted.append(c == '"' ? 2 : 1, c);
-  return quoted + '"';
+  const bool is_plain = text.find_first_of(",\"\r\n") == std::string_view::npos;
+  return is_plain ? std::string(text) : quoted_cell(text);
 }
 
 std::string header(UnitSystem units) {
@@ -47,17 +44,12 @@ void EventTable::event(const Event& event) {
     if (std::isfinite(x)) fmt::format_to(std::back_inserter(buffer_), "{:.17g}", x);
   }
   buffer_ += '\n';
-  if (buffer_.size() >= kBuffer) flush();
-}
-
-void EventTable::flush() {
-  output_->append(buffer_);
-  buffer_.clear();
+  output_->append_if_long(buffer_);
 }
 
 void EventTable::finish() {
   if (!output_) return;
-  flush();
+  output_->append(buffer_);
   output_->publish();
 }
 

@@ -24,8 +24,6 @@ class EventTable : public ResultFile {
   void finish() override;
 
  private:
-  void flush();
-
   std::filesystem::path file_;
   UnitSystem units_;
   std::optional<OutputFile> output_;

@@ -9,8 +9,6 @@
 namespace tomlin {
 namespace {
 
-constexpr std::size_t kFrameBuffer = std::size_t{1} << 18;  // bytes that are written at once
-
 /// Between quotation marks, on one line.
 std::string in_quotes(std::string_view text) {
   std::string result = "\"";
@@ -51,7 +49,7 @@ std::string head_of(const RunLayout& layout, const TrajectoryFacts& facts) {
   return head + "time=";
 }
 
-/// Behind the positions of a particle.
+/// The text behind the positions of a particle.
 std::string end_of_line(std::size_t body) { return fmt::format(" {}\n", body); }
 
 }  // namespace
@@ -89,18 +87,13 @@ void ExtendedXyzWriter::write(double time, std::span<const double> positions) {
         append_number(buffer_, d < static_cast<std::size_t>(layout_.dimension) ? *next++ : 0.0);
       }
       buffer_ += body;
-      if (buffer_.size() >= kFrameBuffer) flush();
+      output_.append_if_long(buffer_);
     }
   }
 }
 
-void ExtendedXyzWriter::flush() {
-  output_.append(buffer_);
-  buffer_.clear();
-}
-
 void ExtendedXyzWriter::finish() {
-  flush();
+  output_.append(buffer_);
   output_.publish();
 }
 

@@ -28,7 +28,6 @@ class ExtendedXyzWriter : public TrajectoryWriter {
 
  private:
   void write(double time, std::span<const double> positions) override;
-  void flush();
 
   OutputFile output_;
   std::string head_;  ///< of each frame, as far as it is always the same

@@ -131,7 +131,7 @@ class Builder {
   const Hdf5File& file_;
 };
 
-/// And a name for particles that have none.
+/// The names of the species, and one for particles that have none.
 std::vector<std::string> names_of_species(const RunLayout& layout) {
   std::vector<std::string> names = layout.species;
   if (std::find(names.begin(), names.end(), kNoSpecies) == names.end()) {

@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <system_error>
 #include <utility>
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 namespace tomlin {
@@ -15,7 +13,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::uint32_t kJournalFormat = 1;
-constexpr std::size_t kBlock = std::size_t{1} << 16;  // bytes of samples or events in a record
+constexpr std::size_t kRecordBytes = std::size_t{1} << 16;  // of samples or events
 /// An event without its name.
 constexpr std::size_t kEventBytes =
     sizeof(std::uint32_t) + sizeof(std::uint64_t) + 5 * sizeof(double);
@@ -24,7 +22,7 @@ std::size_t row_bytes(const RunLayout& layout) { return layout.row() * sizeof(do
 
 /// A block holds a row at least.
 std::size_t row_block(const RunLayout& layout) {
-  return std::max(kBlock, sizeof(std::uint64_t) + row_bytes(layout));
+  return std::max(kRecordBytes, sizeof(std::uint64_t) + row_bytes(layout));
 }
 
 void append_species(const RunLayout& layout, RecordWriter& record) {
@@ -87,10 +85,7 @@ void read_species(RecordReader& record, RunLayout& layout) {
 
 JournalHeader header_in(RecordReader record) {
   JournalHeader header;
-  const auto format = record.number<std::uint32_t>();
-  if (format != kJournalFormat) {
-    record.refuse(fmt::format("its format is {}, this program's is {}", format, kJournalFormat));
-  }
+  record.require_format(kJournalFormat);
   header.program_version = record.text();
   header.scene = record.text();
   RunLayout& layout = header.layout;
@@ -126,7 +121,7 @@ JournalHeader header_in(RecordReader record) {
 double journal_bytes_per_row(const RunLayout& layout) {
   constexpr std::size_t kAround = kRecordHead + kRecordChecksum + sizeof(std::uint64_t);
   const std::size_t row = std::max<std::size_t>(1, row_bytes(layout));
-  const std::size_t rows = std::max<std::size_t>(1, (kBlock - sizeof(std::uint64_t)) / row);
+  const std::size_t rows = std::max<std::size_t>(1, (kRecordBytes - sizeof(std::uint64_t)) / row);
   return static_cast<double>(row) + static_cast<double>(kAround) / static_cast<double>(rows);
 }
 
@@ -165,7 +160,7 @@ JournalWriter::JournalWriter(fs::path file, Descriptor owned, const RunLayout& l
       rows_(mark.rows),
       events_(mark.events),
       row_block_(RecordKind::rows, row_block(layout)),
-      event_block_(RecordKind::events, kBlock) {
+      event_block_(RecordKind::events, kRecordBytes) {
   const auto end = static_cast<off_t>(mark.bytes);
   if (::ftruncate(descriptor_.number(), end) != 0) fail(errno);
   if (::lseek(descriptor_.number(), end, SEEK_SET) != end) fail(errno);
@@ -176,7 +171,7 @@ void JournalWriter::row(std::span<const double> row) {
     throw OutputError(fmt::format("{}: a sample of {} numbers where {} are expected",
                                   file_.string(), row.size(), row_length_));
   }
-  if (row_block_.size() > 0 && row_block_.size() + row.size_bytes() > kBlock) write_rows();
+  if (row_block_.size() > 0 && row_block_.size() + row.size_bytes() > kRecordBytes) write_rows();
   if (row_block_.size() == 0) row_block_.number(rows_);
   row_block_.numbers(row);
   ++rows_;
@@ -184,7 +179,7 @@ void JournalWriter::row(std::span<const double> row) {
 
 void JournalWriter::event(const Event& event) {
   if (event_block_.size() > 0 &&
-      event_block_.size() + kEventBytes + event.name.size() + event.label.size() > kBlock) {
+      event_block_.size() + kEventBytes + event.name.size() + event.label.size() > kRecordBytes) {
     write_events();
   }
   if (event_block_.size() == 0) event_block_.number(events_);
@@ -233,21 +228,10 @@ void JournalWriter::write(RecordWriter& record) {
 
 void JournalWriter::fail(int error) const { throw OutputError(file_, error); }
 
-JournalReader::JournalReader(const fs::path& file)
-    : file_(file.string()), descriptor_(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
-  struct stat status = {};
-  if (!descriptor_.open() || ::fstat(descriptor_.number(), &status) != 0) {
-    refuse("cannot be read: " + std::generic_category().message(errno));
-  }
-  if (!S_ISREG(status.st_mode)) refuse("not a file");
-  size_ = static_cast<std::uint64_t>(status.st_size);
-  read_header();
-}
-
-void JournalReader::read_header() {
-  const RecordHead head = next_head();
-  if (head.kind != RecordKind::journal) refuse("not a journal");
-  header_ = header_in(RecordReader(file_, next_record(head)));
+JournalReader::JournalReader(const fs::path& file) : records_(file) {
+  const RecordHead head = records_.next_head();
+  if (head.kind != RecordKind::journal) records_.refuse("not a journal");
+  header_ = header_in(RecordReader(records_.name(), records_.next(head)));
   row_.resize(header_.layout.row());
 }
 
@@ -255,56 +239,39 @@ void JournalReader::play(RunSink& sink, std::uint64_t end) {
   sink.begin(header_.layout);
   // Names of components stand in the scene, which bounds what a block of events can hold.
   const std::uint64_t most_of_rows = row_block(header_.layout);
-  const std::uint64_t most_of_events = kBlock + kEventBytes + header_.scene.size();
-  while (mark_.bytes < std::min(size_, end)) {
-    const RecordHead head = next_head();
+  const std::uint64_t most_of_events = kRecordBytes + kEventBytes + header_.scene.size();
+  while (records_.position() < std::min(size(), end)) {
+    const RecordHead head = records_.next_head();
     if (head.kind == RecordKind::rows && head.length <= most_of_rows) {
-      play_rows(next_record(head), sink);
+      play_rows(records_.next(head), sink);
     } else if (head.kind == RecordKind::events && head.length <= most_of_events) {
-      play_events(next_record(head), sink);
+      play_events(records_.next(head), sink);
     } else {
-      refuse(fmt::format("corrupted: the record at byte {} is not one of a journal", mark_.bytes));
+      records_.refuse(fmt::format("corrupted: the record at byte {} is not one of a journal",
+                                  records_.position()));
     }
   }
 }
 
-RecordHead JournalReader::next_head() {
-  if (size_ - mark_.bytes < kRecordHead + kRecordChecksum) refuse_truncated();
-  std::byte bytes[kRecordHead];
-  read(bytes, mark_.bytes);
-  return record_head(file_, bytes);
-}
-
-/// Moves the mark behind the record.
-std::span<const std::byte> JournalReader::next_record(const RecordHead& head) {
-  const std::uint64_t left = size_ - mark_.bytes - kRecordHead - kRecordChecksum;
-  if (head.length > left) refuse_truncated();
-  record_.resize(kRecordHead + head.length + kRecordChecksum);
-  read(record_, mark_.bytes);
-  const auto content = record_content(file_, record_, mark_.checksum);
-  mark_.bytes += record_.size();
-  return content;
-}
-
 void JournalReader::play_rows(std::span<const std::byte> content, RunSink& sink) {
-  RecordReader record(file_, content);
-  if (record.number<std::uint64_t>() != mark_.rows || row_.empty()) {
-    refuse("corrupted: samples are missing");
+  RecordReader record(records_.name(), content);
+  if (record.number<std::uint64_t>() != rows_ || row_.empty()) {
+    records_.refuse("corrupted: samples are missing");
   }
   while (record.left() > 0) {
     record.numbers(row_);
     sink.sample(row_);
-    ++mark_.rows;
+    ++rows_;
   }
 }
 
 void JournalReader::play_events(std::span<const std::byte> content, RunSink& sink) {
-  RecordReader record(file_, content);
-  if (record.number<std::uint64_t>() != mark_.events) refuse("corrupted: events are missing");
+  RecordReader record(records_.name(), content);
+  if (record.number<std::uint64_t>() != events_) records_.refuse("corrupted: events are missing");
   while (record.left() > 0) {
     Event event;
     const auto kind = record.number<std::uint32_t>();
-    if (kind >= kEventKinds) refuse("an event of a kind that this program does not know");
+    if (kind >= kEventKinds) records_.refuse("an event of a kind that this program does not know");
     event.kind = static_cast<EventKind>(kind);
     event.name = *names_.insert(record.text()).first;
     if (event.kind == EventKind::observed) event.label = *names_.insert(record.text()).first;
@@ -313,23 +280,8 @@ void JournalReader::play_events(std::span<const std::byte> content, RunSink& sin
       *x = record.number<double>();
     }
     sink.event(event);
-    ++mark_.events;
+    ++events_;
   }
-}
-
-void JournalReader::read(std::span<std::byte> bytes, std::uint64_t at) {
-  const std::ptrdiff_t got = read_at(descriptor_, bytes, at);
-  if (got < 0) refuse("cannot be read: " + std::generic_category().message(static_cast<int>(-got)));
-  if (static_cast<std::size_t>(got) < bytes.size()) refuse_truncated();
-}
-
-void JournalReader::refuse_truncated() const {
-  throw TruncatedFile(
-      fmt::format("{}: truncated: it ends in the record at byte {}", file_, mark_.bytes));
-}
-
-void JournalReader::refuse(const std::string& why) const {
-  throw DamagedFile(fmt::format("{}: {}", file_, why));
 }
 
 }  // namespace tomlin

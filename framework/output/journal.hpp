@@ -47,7 +47,7 @@ class JournalInUse : public OutputError {
   using OutputError::OutputError;
 };
 
-/// Beside a journal, where the file system has no locks.
+/// The file beside a journal that stands for its lock where the file system has none.
 inline constexpr const char* kLockFile = "run.lock";
 
 enum class Absent { make_it, leave_it };
@@ -95,9 +95,8 @@ class JournalWriter {
   bool broken_ = false;
 };
 
-/// Reads a journal from its start, record by record: it may be larger than memory. Whatever the
-/// file holds, it is read to the first fault and no further. Everything throws DamagedFile;
-/// TruncatedFile where the file ends too early and nothing else is wrong.
+/// Reads a journal (see RecordFile). Whatever the file holds, it is read to the first fault and no
+/// further. Everything throws DamagedFile, or TruncatedFile.
 class JournalReader {
  public:
   /// Reads the header.
@@ -105,9 +104,9 @@ class JournalReader {
 
   const JournalHeader& header() const { return header_; }
   /// The position up to which everything was read and found right; at first, behind the header.
-  const JournalMark& mark() const { return mark_; }
+  JournalMark mark() const { return {records_.position(), records_.checksum(), rows_, events_}; }
   /// Bytes in the file.
-  std::uint64_t size() const { return size_; }
+  std::uint64_t size() const { return records_.size(); }
 
   /// Sends everything up to `end` bytes to the sink as the run did: begin(), samples and events
   /// each in their order, though not always in the same order between each other. Names of events
@@ -115,21 +114,13 @@ class JournalReader {
   void play(RunSink& sink, std::uint64_t end = std::numeric_limits<std::uint64_t>::max());
 
  private:
-  RecordHead next_head();
-  std::span<const std::byte> next_record(const RecordHead& head);
-  void read_header();
   void play_rows(std::span<const std::byte> content, RunSink& sink);
   void play_events(std::span<const std::byte> content, RunSink& sink);
-  void read(std::span<std::byte> bytes, std::uint64_t at);
-  [[noreturn]] void refuse_truncated() const;
-  [[noreturn]] void refuse(const std::string& why) const;
 
-  std::string file_;
-  Descriptor descriptor_;
-  std::uint64_t size_ = 0;
+  RecordFile records_;
   JournalHeader header_;
-  JournalMark mark_;
-  std::vector<std::byte> record_;
+  std::uint64_t rows_ = 0;
+  std::uint64_t events_ = 0;
   std::vector<double> row_;
   std::set<std::string, std::less<>> names_;
 };

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cstddef>
 #include <string>
+#include <string_view>
 
 namespace tomlin {
 
@@ -19,6 +20,13 @@ inline void append_number(std::string& text, double number) {
                                  number, std::chars_format::general, kDigits)
                        .ptr;
   text.resize(static_cast<std::size_t>(end - text.data()));
+}
+
+/// A cell of comma-separated values in quotes.
+inline std::string quoted_cell(std::string_view text) {
+  std::string quoted = "\"";
+  for (const char c : text) quoted.append(c == '"' ? 2 : 1, c);
+  return quoted + '"';
 }
 
 }  // namespace tomlin

@@ -58,6 +58,12 @@ void OutputFile::append(std::span<const std::byte> bytes) {
   if (const int error = write_all(descriptor_, bytes)) fail(error);
 }
 
+void OutputFile::append_if_long(std::string& text) {
+  if (text.size() < kTextAtOnce) return;
+  append(text);
+  text.clear();
+}
+
 void OutputFile::write_at(std::uint64_t offset, std::span<const std::byte> bytes) {
   if (const int error = tomlin::write_at(descriptor_, bytes, offset)) fail(error);
 }

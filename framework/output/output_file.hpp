@@ -23,6 +23,10 @@ class OutputError : public std::runtime_error {
 /// Suffix of a file's name until the file is complete.
 inline constexpr std::string_view kUnfinished = ".part";
 
+/// Bytes of text that are gathered before they are appended to a file: 64 KiB, so that calls of the
+/// system take no time beside the text itself.
+inline constexpr std::size_t kTextAtOnce = std::size_t{1} << 16;
+
 /// The name of a file that is not complete.
 std::filesystem::path unfinished(std::filesystem::path file);
 
@@ -43,9 +47,11 @@ class OutputFile {
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  /// Not buffered.
+  /// Writes at once, without a buffer.
   void append(std::string_view text);
   void append(std::span<const std::byte> bytes);
+  /// Appends a text that has grown to kTextAtOnce, and empties it.
+  void append_if_long(std::string& text);
   /// Writes anywhere in the file; bytes before that were never written are zero.
   void write_at(std::uint64_t offset, std::span<const std::byte> bytes);
   /// Reads what was written there; zeros behind the end.

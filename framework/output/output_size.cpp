@@ -22,13 +22,13 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Unit of block counts of stat() in bytes, whatever the file system's are.
-constexpr double kBlock = 512.0;
+constexpr double kBytesOfBlock = 512.0;
 /// Usable part of the room: the rest is for folders and blocks that are not full.
 constexpr double kFillable = 0.99;
 /// Bytes around the state in a checkpoint: version, fingerprint, libraries.
 constexpr double kAroundState = 4096.0;
 
-/// To three digits; what is one of them but for rounding stays.
+/// Rounds up to three digits; a number that has three but for rounding stays.
 double rounded_up(double x) {
   constexpr double kRounding = 1e-12;
   const double unit = std::pow(10.0, std::floor(std::log10(x)) - 2.0);
@@ -105,7 +105,7 @@ double room_in(const fs::path& folder) {
   for (const char* name : kFilesOfARun) {
     struct stat status = {};
     if (::lstat((folder / name).c_str(), &status) != 0 || !S_ISREG(status.st_mode)) continue;
-    room += kBlock * static_cast<double>(status.st_blocks);
+    room += kBytesOfBlock * static_cast<double>(status.st_blocks);
   }
   return room;
 }

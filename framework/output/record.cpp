@@ -9,7 +9,6 @@
 #include <sys/stat.h>
 
 #include "framework/output/checksum.hpp"
-#include "framework/output/descriptor.hpp"
 
 namespace tomlin {
 namespace {
@@ -84,6 +83,13 @@ std::span<const std::byte> RecordReader::take(std::size_t size) {
   return taken;
 }
 
+void RecordReader::require_format(std::uint32_t format) {
+  const auto found = number<std::uint32_t>();
+  if (found != format) {
+    refuse(fmt::format("its format is {}, this program's is {}", found, format));
+  }
+}
+
 void RecordReader::end() const {
   if (left() > 0) refuse("a record continues past its end");
 }
@@ -116,30 +122,80 @@ std::span<const std::byte> record_content(const std::string& file, std::span<con
   return whole.subspan(kRecordHead, length);
 }
 
-std::vector<std::byte> read_record_file(const std::filesystem::path& file) {
-  const auto refuse = [&file](const std::string& why) {
-    throw DamagedFile(fmt::format("{}: {}", file.string(), why));
-  };
-  const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+RecordFile::RecordFile(const std::filesystem::path& file)
+    : RecordFile(file, Descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK))) {}
+
+RecordFile::RecordFile(const std::filesystem::path& file, Descriptor opened)
+    : name_(file.string()), descriptor_(std::move(opened)) {
   struct stat status = {};
-  if (!descriptor.open() || ::fstat(descriptor.number(), &status) != 0) {
+  if (!descriptor_.open() || ::fstat(descriptor_.number(), &status) != 0) {
     refuse("cannot be read: " + std::generic_category().message(errno));
   }
   if (!S_ISREG(status.st_mode)) refuse("not a file");
-  // A file of another length than its head says is not read at all.
-  std::byte head[kRecordHead];
-  const auto size = static_cast<std::uint64_t>(status.st_size);
-  if (read_at(descriptor, head, 0) < static_cast<std::ptrdiff_t>(sizeof head) ||
-      record_head(file.string(), head).length + kRecordHead + kRecordChecksum > size) {
-    refuse("truncated");
-  }
-  std::vector<std::byte> bytes(static_cast<std::size_t>(status.st_size));
-  const std::ptrdiff_t got = read_at(descriptor, bytes, 0);
-  if (got < 0) {
-    refuse("cannot be read: " + std::generic_category().message(static_cast<int>(-got)));
-  }
-  bytes.resize(static_cast<std::size_t>(got));
+  size_ = static_cast<std::uint64_t>(status.st_size);
+}
+
+RecordHead RecordFile::next_head() const {
+  std::byte bytes[kRecordHead];
+  read(bytes);
+  return record_head(name_, bytes);
+}
+
+std::span<const std::byte> RecordFile::next(const RecordHead& head) {
+  constexpr std::size_t kAround = kRecordHead + kRecordChecksum;
+  const std::uint64_t left = size_ - position_;
+  if (left < kAround || head.length > left - kAround) refuse_truncated();
+  record_.resize(kAround + head.length);
+  read(record_);
+  const auto content = record_content(name_, record_, checksum_);
+  position_ += record_.size();
+  return content;
+}
+
+std::vector<std::byte> RecordFile::rest() const {
+  std::vector<std::byte> bytes(size_ - position_);
+  read(bytes);
   return bytes;
+}
+
+void RecordFile::read(std::span<std::byte> bytes) const {
+  const std::ptrdiff_t got = read_at(descriptor_, bytes, position_);
+  if (got < 0) refuse("cannot be read: " + std::generic_category().message(static_cast<int>(-got)));
+  if (static_cast<std::size_t>(got) < bytes.size()) refuse_truncated();
+}
+
+void RecordFile::refuse_truncated() const {
+  throw TruncatedFile(
+      fmt::format("{}: truncated: it ends in the record at byte {}", name_, position_));
+}
+
+void RecordFile::refuse(const std::string& why) const {
+  throw DamagedFile(fmt::format("{}: {}", name_, why));
+}
+
+std::vector<std::byte> read_record_file(const std::filesystem::path& file) {
+  const RecordFile record(file);
+  // A file of another length than its head says is not read at all.
+  if (record.next_head().length > record.size()) record.refuse("truncated");
+  return record.rest();
+}
+
+RecordReader only_record(const std::string& file, std::span<const std::byte> bytes,
+                         RecordKind kind) {
+  std::uint64_t checksum = kFirstChecksum;
+  RecordReader record(file, record_content(file, bytes, checksum));
+  if (record_head(file, bytes.first(kRecordHead)).kind != kind) {
+    record.refuse("a file of another kind");
+  }
+  return record;
+}
+
+void write_record_file(const std::filesystem::path& file, RecordWriter& record,
+                       OutputFile::Lasting lasting) {
+  std::uint64_t checksum = kFirstChecksum;
+  OutputFile output(file);
+  output.append(record.seal(checksum));
+  output.publish(lasting);
 }
 
 }  // namespace tomlin

@@ -116,7 +116,7 @@ Ended read_summary(const RunFolder& folder) {
   return folder.holds(kSummaryFile) ? read_summary(folder.file(kSummaryFile)) : Ended();
 }
 
-/// Only counts, and is content with any number.
+/// A sink that ignores what it gets: the reader counts.
 class Ignored : public RunSink {
  public:
   void begin(const RunLayout& layout) override { (void)layout; }
@@ -133,7 +133,7 @@ Resumption without_checkpoint(const RunFolder& folder, JournalReader& journal, D
   } catch (const TruncatedFile&) {
     // The rest was being written when the run was killed.
   }
-  const JournalMark& mark = journal.mark();
+  const JournalMark mark = journal.mark();
   if (ended.status == RunStatus::interrupted) {
     refuse(FaultCode::resume_impossible, folder.file(kCheckpointFile),
            "the checkpoint is missing, although the run was stopped with one");
@@ -271,7 +271,7 @@ Resumption without_journal(const RunFolder& folder, const Scene& scene, const En
   return resumption;
 }
 
-/// Not open when there is none.
+/// The journal of a folder, owned; not open when there is none.
 Descriptor own_existing(const RunFolder& folder) {
   try {
     return folder.own_existing_journal();

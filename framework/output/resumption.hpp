@@ -43,8 +43,8 @@ void require_same_libraries(const std::filesystem::path& folder,
 /// moment may have left it. Throws OutputError.
 void remove_leftovers(RunFolder& folder);
 
-/// For --force: from the start, whatever the folder holds. Throws InputError when another program
-/// is writing to it.
+/// Begins from the start, whatever the folder holds, for --force. Throws InputError when another
+/// program is writing to it.
 Resumption start_again(const RunFolder& folder);
 
 }  // namespace tomlin

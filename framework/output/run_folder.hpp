@@ -73,7 +73,7 @@ class RunFolder {
   bool lacks_locks() const { return lock_file_.taken(); }
   /// Takes away what an earlier run has found, and whatever is unfinished. Throws OutputError.
   void remove_results();
-  /// For a study: takes away what an earlier run has left, but for files of the study's own names
+  /// Takes away, for a study, all that an earlier run has left but files of the study's own names
   /// and the journal, which is emptied. Throws OutputError.
   void remove_run();
   /// The folder that was opened, whatever it is called by now, where the system has a name for

@@ -173,7 +173,7 @@ std::optional<std::string> RunRecorder::finish(RunResult& result) {
     result.failure = failure;
   }
   try {
-    // Beside results of an earlier run, or of another one, it would speak for them.
+    // The summary would speak for results of an earlier or another run beside it.
     if (cleared_ && folder_.in_place()) {
       folder_.write_file(kSummaryFile, summary_json(scene_, result));
       synchronise_folder_of(folder_.file(kSummaryFile));

@@ -38,7 +38,7 @@ class RunRecorder : public RunSink {
   void checkpoint(const RunState& state) override;
 
   /// Writes the results, the summary last, and takes away what a run that has ended has no use for.
-  /// What could not be written makes the result a failed one, and is returned.
+  /// A file that could not be written makes the result a failed one; the reason is returned.
   std::optional<std::string> finish(RunResult& result);
 
  private:

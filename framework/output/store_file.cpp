@@ -20,9 +20,9 @@ StoreFile::StoreFile(const RunFolder& folder, const Scene& scene,
   if (before == Before::read) read();
 }
 
-StoreFile::StoreFile(std::filesystem::path file, std::string owner, Before before)
-    : file_(std::move(file)), owner_(std::move(owner)) {
-  if (before == Before::read) read();
+StoreFile::StoreFile(std::filesystem::path file, std::string owner, double every)
+    : file_(std::move(file)), owner_(std::move(owner)), every_(every) {
+  read();
 }
 
 void StoreFile::read() try {
@@ -30,9 +30,7 @@ void StoreFile::read() try {
   if (!std::filesystem::exists(std::filesystem::symlink_status(file_, error))) return;
   const std::string file = file_.string();
   const std::vector<std::byte> bytes = read_record_file(file);
-  std::uint64_t checksum = kFirstChecksum;
-  RecordReader record(file, record_content(file, bytes, checksum));
-  if (record_head(file, std::span(bytes).first(kRecordHead)).kind != RecordKind::store) return;
+  RecordReader record = only_record(file, bytes, RecordKind::store);
   if (record.text() != owner_) return;
   while (record.left() > 0) {
     std::string name = record.text();
@@ -50,6 +48,13 @@ std::vector<std::byte> StoreFile::kept(const std::string& name) const {
 
 void StoreFile::keep(const std::string& name, std::vector<std::byte> bytes) {
   all_[name] = std::move(bytes);
+  is_written_ = false;
+  const std::chrono::duration<double> since = std::chrono::steady_clock::now() - last_written_;
+  if (since.count() >= every_) write();
+}
+
+void StoreFile::write() {
+  if (is_written_ || file_.empty()) return;
   if (folder_ != nullptr && !folder_->in_place()) return;
   RecordWriter record(RecordKind::store);
   record.text(owner_);
@@ -57,14 +62,24 @@ void StoreFile::keep(const std::string& name, std::vector<std::byte> bytes) {
     record.text(kept);
     record.bytes(content);
   }
-  std::uint64_t checksum = kFirstChecksum;
-  try {
-    OutputFile output(file_);
-    output.append(record.seal(checksum));
-    output.publish(OutputFile::Lasting::some_time_later);
-  } catch (const OutputError&) {
-    // The next one may get through; what is lost is computed again.
+  if (folder_ == nullptr) {
+    std::error_code error;
+    std::filesystem::create_directories(file_.parent_path(), error);
   }
+  try {
+    write_record_file(file_, record, OutputFile::Lasting::some_time_later);
+    is_written_ = true;
+  } catch (const OutputError&) {
+    // The next one may get through.
+  }
+  last_written_ = std::chrono::steady_clock::now();
+}
+
+void StoreFile::remove() const {
+  if (file_.empty()) return;
+  std::error_code error;
+  std::filesystem::remove(file_, error);
+  std::filesystem::remove(unfinished(file_), error);
 }
 
 }  // namespace tomlin

@@ -122,7 +122,8 @@ Json value_entry(const std::optional<Node>& node) {
   return {};
 }
 
-/// With all of its keys, those left to their defaults too; with an accuracy the one that was taken.
+/// The integrator has all of its keys, those left to their defaults too; with an accuracy it is the
+/// one that was chosen.
 Json integrator_entry(const Scene& scene, const RunResult& result) {
   const auto value_of = [&](const Parameter& row) {
     return in_scene_units(row.read(scene.run.integrator.description.get()),

@@ -9,12 +9,6 @@
 #include "framework/output/number_text.hpp"
 
 namespace tomlin {
-namespace {
-
-constexpr std::size_t kBuffer = std::size_t{1} << 16;  // bytes that are written at once
-
-}  // namespace
-
 std::size_t table_bytes_per_row(const RunLayout& layout) {
   return (kLongestNumber + 1) * layout.columns.size();
 }
@@ -26,7 +20,7 @@ void TableWriter::begin(const RunLayout& layout) {
   output_.emplace(file_);
   row_ = layout.row();
   // Room for the longest row behind a buffer that is just not full: no sample allocates.
-  buffer_.reserve(kBuffer + table_bytes_per_row(layout));
+  buffer_.reserve(kTextAtOnce + table_bytes_per_row(layout));
   for (const SampleColumn& column : layout.columns) {
     if (!names_.empty()) buffer_ += ',';
     fmt::format_to(std::back_inserter(buffer_), "{} [{}]", column.name, column.unit);
@@ -52,17 +46,12 @@ void TableWriter::sample(const std::vector<double>& row) {
   }
   buffer_ += '\n';
   ++rows_;
-  if (buffer_.size() >= kBuffer) flush();
-}
-
-void TableWriter::flush() {
-  output_->append(buffer_);
-  buffer_.clear();
+  output_->append_if_long(buffer_);
 }
 
 void TableWriter::finish() {
   if (!output_) return;
-  flush();
+  output_->append(buffer_);
   output_->publish();
 }
 

@@ -28,8 +28,6 @@ class TableWriter : public ResultFile {
   void finish() override;
 
  private:
-  void flush();
-
   std::filesystem::path file_;
   std::optional<OutputFile> output_;
   std::vector<std::string> names_;

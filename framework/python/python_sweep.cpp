@@ -32,7 +32,7 @@
 #include "framework/python/handles.hpp"
 #include "framework/scene/text.hpp"
 #include "framework/study/sweep/bisection.hpp"
-#include "framework/study/sweep/row_order.hpp"
+#include "framework/study/sweep/files.hpp"
 #include "framework/study/sweep/runner.hpp"
 #include "framework/study/sweep/sweep_journal.hpp"
 #include "framework/study/sweep/sweep_plan.hpp"

@@ -19,8 +19,8 @@ namespace tomlin {
 namespace {
 
 /// Relative tolerance for numbers that are meant to be equal and were computed from parameters.
-constexpr double kSame = 1e-9;
-constexpr std::size_t kPoints = 1000;
+constexpr double kRoundingOfParameters = 1e-9;
+constexpr std::size_t kPointsOfOverlay = 1000;
 
 /// Properties that make models comparable, and those that may differ.
 struct Setup {
@@ -31,7 +31,7 @@ struct Setup {
 };
 
 bool same(double a, double b) {
-  return std::abs(a - b) <= kSame * std::max(std::abs(a), std::abs(b));
+  return std::abs(a - b) <= kRoundingOfParameters * std::max(std::abs(a), std::abs(b));
 }
 
 bool same(const std::vector<double>& a, const std::vector<double>& b) {
@@ -47,7 +47,7 @@ Setup setup_of(const std::shared_ptr<const Scene>& scene) {
     if (driver.drive == nullptr || !driver.drive->steady) continue;
     setup.velocity = driver.drive->velocity;
   }
-  // Only what they have in common: a tip on a line has no y.
+  // Axes that not all have are left out: a tip on a line has no y.
   while (!setup.velocity.empty() && setup.velocity.back() == 0.0) setup.velocity.pop_back();
   const auto axis = static_cast<int>(
       std::max_element(setup.velocity.begin(), setup.velocity.end(),
@@ -149,10 +149,11 @@ class Trace : public RunSink {
   }
 
   void begin(const RunLayout& layout) override {
-    static constexpr std::array kEnds = {".force.x", ".force.y", ".force.z"};
+    static constexpr std::array kForceComponents = {".force.x", ".force.y", ".force.z"};
     for (std::size_t c = 0; c < layout.columns.size(); ++c) {
-      for (std::size_t d = 0; d < kEnds.size(); ++d) {
-        if (layout.columns[c].name.ends_with(kEnds[d]) && columns_[d] == 0) columns_[d] = c;
+      for (std::size_t d = 0; d < kForceComponents.size(); ++d) {
+        if (layout.columns[c].name.ends_with(kForceComponents[d]) && columns_[d] == 0)
+          columns_[d] = c;
       }
     }
   }
@@ -177,9 +178,9 @@ class Trace : public RunSink {
   std::array<std::size_t, 3> columns_{};
 };
 
-/// Some thousand samples in a run, at ends of steps: there are schemes that know no others.
+/// A run has some thousand samples, at ends of steps: some schemes know no others.
 double sampling_interval(const Scene& scene) {
-  const double every = scene.run.duration / static_cast<double>(4 * kPoints);
+  const double every = scene.run.duration / static_cast<double>(4 * kPointsOfOverlay);
   const auto& integrator = scene.run.integrator;
   const double dt = integrator.record->step(integrator.description.get());
   return dt > 0.0 ? std::max(1.0, std::round(every / dt)) * dt : every;

@@ -23,7 +23,8 @@ RecordedRun record_run(RunFolder& folder, const std::shared_ptr<const Scene>& sc
       require_room(*scene, output_size(*scene, *layout), room_in(folder.path()));
     }
   }
-  // With an accuracy the program looks for the integrator; the same one when a run resumes.
+  // The program chooses the integrator where there is an accuracy; it is kept for a run that
+  // resumes.
   RecordedRun recorded;
   ChosenIntegrator chosen;
   chosen.scene = scene;

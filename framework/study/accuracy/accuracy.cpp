@@ -28,13 +28,13 @@ constexpr double kRounding = 1e-15;
 /// Differences to two companions may both be small by chance, where errors change their sign
 /// between their steps: no error is stated that is below this part of the typical one of a run,
 /// relative to the result, but for what is exact.
-constexpr double kOfTypical = 0.3;
+constexpr double kLeastOfTypical = 0.3;
 constexpr double kExact = 10.0 * kRounding;
 
 /// An integrator of another family that is off the run by more than so many times what is asked for
 /// contradicts it: over whole runs such a companion was off by 1.6 times, where it was a fiftieth
 /// in the pilot.
-constexpr double kElsewhere = 5.0;
+constexpr double kContradiction = 5.0;
 
 bool key_has_any_of(const ResultQuantity& quantity, std::initializer_list<std::string_view> words) {
   return std::any_of(words.begin(), words.end(), [&quantity](std::string_view word) {
@@ -79,7 +79,7 @@ void lift_small_errors(RunResult& result) {
   std::nth_element(typical.begin(), middle, typical.end());
   for (ErrorEstimate& estimate : result.errors) {
     const double error = relative(estimate);
-    if (error > kExact) *estimate.error *= std::max(1.0, kOfTypical * *middle / error);
+    if (error > kExact) *estimate.error *= std::max(1.0, kLeastOfTypical * *middle / error);
   }
 }
 
@@ -186,29 +186,46 @@ double mean_step_of(const RunResult& result) {
 
 /// The integrator of a scene, coarser; steps half as long where longer ones are not stable.
 std::vector<Companion> companions_of(const std::shared_ptr<const Scene>& scene) {
-  constexpr double kWider = 10.0;
-  constexpr double kNearlyStable = 0.95;
+  constexpr double kToleranceFactor = 10.0;
+  constexpr double kLongestOfStable = 0.95;
   const IntegratorRecord& scheme = *scene->run.integrator.record;
   const double dt = scheme.step(scene->run.integrator.description.get());
   std::vector<Companion> companions;
   if (dt == 0.0) {
     for (const double share : kSharesOfTolerances) {
-      const double factor = std::pow(kWider, static_cast<double>(companions.size() + 1));
+      const double factor = std::pow(kToleranceFactor, static_cast<double>(companions.size() + 1));
       companions.push_back({with_integrator_coarser(scene, factor), "", share});
     }
     return companions;
   }
-  const double stable = kNearlyStable * Engine(scene, options_to_bind()).stable_step();
+  const double stable = kLongestOfStable * Engine(scene, options_to_bind()).stable_step();
   double factor = 1.0;
   for (const double share : shares_of_steps(scheme.order)) {
     factor *= 2.0;
     if (factor * dt > stable) break;
     companions.push_back({with_integrator_coarser(scene, factor), "", share});
   }
-  if (companions.size() == 1) companions.front().share *= kAlone;
+  if (companions.size() == 1) companions.front().share *= kSingleCompanion;
   if (!companions.empty()) return companions;
-  // From second order on, half the step removes at least three quarters of the error.
-  return {{with_integrator_coarser(scene, 0.5), "", kAlone * 4.0 / 3.0}};
+  // Half the step removes at least three quarters of the error from second order on.
+  return {{with_integrator_coarser(scene, 0.5), "", kSingleCompanion * 4.0 / 3.0}};
+}
+
+/// Errors are held against the typical one of all observables: all are looked at, and those that
+/// nobody has asked for are left out in the end.
+RunOptions looking_at_all(RunOptions options) {
+  options.all_observables = true;
+  return options;
+}
+
+void keep_what_is_asked_for(const Scene& scene, const RunOptions& options, RunResult& result) {
+  if (options.all_observables) return;
+  selection_of(scene, options).keep_rows(result.groups);
+  const std::vector<Observable> left = observables(result);
+  std::erase_if(result.errors, [&](const ErrorEstimate& error) {
+    return std::none_of(left.begin(), left.end(),
+                        [&](const Observable& one) { return one.path == error.path; });
+  });
 }
 
 }  // namespace
@@ -258,7 +275,7 @@ void estimate_errors(const ChosenIntegrator& chosen, const RunOptions& options, 
     }
     if (!trial.finished()) {
       if (!finished.empty()) {
-        if (!companion.other_family) finished.front().share *= kAlone;
+        if (!companion.other_family) finished.front().share *= kSingleCompanion;
         continue;
       }
       warn(result, FaultCode::run_error_not_estimated,
@@ -273,30 +290,13 @@ void estimate_errors(const ChosenIntegrator& chosen, const RunOptions& options, 
     if (companion.other_family) taken.companion_scheme = companion.scene->run.integrator.record;
     // A difference of the size of the companion's own error is no error of the run.
     if (companion.other_family && !finished.empty() &&
-        relative_difference(trial.result, result, chosen.length) <= kElsewhere * accuracy) {
+        relative_difference(trial.result, result, chosen.length) <= kContradiction * accuracy) {
       continue;
     }
     finished.push_back({std::move(trial.result), companion.share});
   }
   add_errors(result, finished);
   warn_of_large_errors(result, finished, chosen);
-}
-
-/// Errors are held against the typical one of all observables: all are looked at, and those that
-/// nobody has asked for are left out in the end.
-RunOptions looking_at_all(RunOptions options) {
-  options.all_observables = true;
-  return options;
-}
-
-void keep_what_is_asked_for(const Scene& scene, const RunOptions& options, RunResult& result) {
-  if (options.all_observables) return;
-  selection_of(scene, options).keep_rows(result.groups);
-  const std::vector<Observable> left = observables(result);
-  std::erase_if(result.errors, [&](const ErrorEstimate& error) {
-    return std::none_of(left.begin(), left.end(),
-                        [&](const Observable& one) { return one.path == error.path; });
-  });
 }
 
 RunResult run(const std::shared_ptr<const Scene>& scene, const RunOptions& options) {

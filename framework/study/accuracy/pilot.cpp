@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -14,6 +13,7 @@
 
 #include "framework/model/model.hpp"
 #include "framework/model/scales.hpp"
+#include "framework/output/store_file.hpp"
 #include "framework/run/engine.hpp"
 #include "framework/study/accuracy/kept_choice.hpp"
 #include "framework/study/tradeoff/methods.hpp"
@@ -24,40 +24,41 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Part of the allowed error that the first companion may have in the pilot: a whole run differs
-/// from the pilot.
-constexpr double kShareOfCompanion = 0.1;
-/// Part of the allowed error that the stated error may have in the pilot.
-constexpr double kMostStated = 0.5;
-/// The pilot's reference is so much finer than what is asked for.
-constexpr double kReferenceShare = 1e-4;
+// Errors in the pilot, as parts of the allowed one. A whole run differs from the pilot: the first
+// companion has a margin of ten. One of another family, whose error is stated as it is, may be ten
+// times as far off over a whole run.
+constexpr double kErrorOfReference = 1e-4;
+constexpr double kErrorOfCompanion = 0.1;
+constexpr double kErrorOfOtherFamily = 0.02;
+constexpr double kErrorStated = 0.5;
+
+// The search for a reference: each pass shortens the pilot to a quarter.
 constexpr int kOrderOfReference = 8;
-/// Nothing is tried that costs so many times more than the reference.
-constexpr double kMostExpensive = 4.0;
 constexpr int kMostShortenings = 6;
-constexpr double kFirstCost = 2e3;  ///< of a reference
-/// Costs that are projected from a part of a run may be so many times too high.
-constexpr double kRoom = 2.0;
-/// The first companion's share for one of another family, whose error is stated as it is: over a
-/// whole run it may be ten times what it is in the pilot.
-constexpr double kShareOfOther = 0.02;
-/// The share of the remaining cost that a companion of another family may take in the pilot: the
-/// run is not quite as the pilot.
-constexpr double kShareOfWhatIsLeft = 0.8;
-/// A setting and a finer one differ from the reference by the same, but for this part of it, where
-/// it is not they that err.
-constexpr double kUnchanged = 0.1;
-constexpr double kLeastPart = 1e-12;
+constexpr double kFirstCost = 2e3;  ///< that a reference may have, in evaluations
+/// The cost of a setting at most, as a multiple of that of the reference.
+constexpr double kMostTimesReference = 4.0;
+/// Costs that are projected from a part of a run are at most so many times too high.
+constexpr double kMostOverestimated = 2.0;
+/// The share of the remaining cost that a companion of another family may take in the pilot: a
+/// whole run costs a little more or less than its part.
+constexpr double kShareOfRemainingCost = 0.8;
+/// Two successive settings have come to rest where their errors differ by at most this part.
+constexpr double kChangeAtRest = 0.1;
+constexpr double kLeastPart = 1e-12;  ///< of a run, which its cost is divided by
+
 constexpr std::array kTolerances = {1e-2, 1e-3, 1e-4,  1e-5,  1e-6,  1e-7,
                                     1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13};
 constexpr int kMostResolutions = static_cast<int>(kTolerances.size());
-/// Fixed steps begin a little below the stable one.
-constexpr double kFirstStep = 0.9;
+/// The longest fixed step is this part of the stable one, and at most the pilot's duration over
+/// kFewestSteps.
+constexpr double kShareOfStableStep = 0.9;
 constexpr double kFewestSteps = 50.0;
-/// A mean below this part of the largest value is nought by cancellation, and held to that part.
-constexpr double kFloor = 1e-3;
-/// A body that moves by less of the scene's length does not move.
-constexpr double kUnmoved = 1e-9;
+/// A mean below this part of the largest value is zero by cancellation, and is compared with that
+/// part.
+constexpr double kCancellation = 1e-3;
+/// A body that moves by a smaller part of the scene's length does not move.
+constexpr double kLeastDistance = 1e-9;
 
 /// Quantities that headlines are made of.
 constexpr const char* kHeadlines[] = {"drivers.mean_force", "drivers.max_force",
@@ -87,18 +88,11 @@ std::vector<Headline> headlines(const RunResult& result, double length) {
   }
   if (!all.empty()) return all;
   for (const ResultGroup& body : result.family("bodies")) {
-    all.push_back({components(body["mean_velocity"]), body["max_speed"].value_or(0.0) / kFloor,
-                   kUnmoved * length / (result.window_to - result.window_from)});
+    all.push_back({components(body["mean_velocity"]),
+                   body["max_speed"].value_or(0.0) / kCancellation,
+                   kLeastDistance * length / (result.window_to - result.window_from)});
   }
   return all;
-}
-
-/// For people: a step is a little below the stable one anyway.
-double two_digits(double x) {
-  const std::string text = fmt::format("{:.1e}", x);
-  double rounded = x;
-  std::from_chars(text.data(), text.data() + text.size(), rounded);
-  return rounded;
 }
 
 /// Length of a pilot, and where its window begins.
@@ -124,7 +118,7 @@ Piece pilot_of(const std::shared_ptr<const Scene>& scene) {
     if (force.active) begun = std::max(begun, force.active->from / duration);
   }
   if (begun < 1.0) cycle /= 1.0 - begun;
-  // Without a period a part of the run has to stand for it.
+  // A part of the run has to do where there is no period.
   if (cycle == 0.0) return {duration / 8.0, duration / 24.0};
   if (3.0 * cycle >= duration) return {duration, duration / 3.0};
   return {3.0 * cycle, cycle};
@@ -174,21 +168,6 @@ struct Hopeful {
   double projected = 0.0;
 };
 
-/// Trials over budget, which go on where they were stopped when they get a larger one.
-class BegunRuns : public RunStore {
- public:
-  std::vector<std::byte> kept(const std::string& name) const override {
-    const auto found = states_.find(name);
-    return found == states_.end() ? std::vector<std::byte>() : found->second;
-  }
-  void keep(const std::string& name, std::vector<std::byte> bytes) override {
-    states_.insert_or_assign(name, std::move(bytes));
-  }
-
- private:
-  std::map<std::string, std::vector<std::byte>> states_;
-};
-
 class Pilot {
  public:
   Pilot(std::shared_ptr<const Scene> scene, const Registry& registry, const std::atomic<bool>* stop,
@@ -219,10 +198,10 @@ class Pilot {
 
   ChosenIntegrator choose() {
     find_reference();
-    const Wanted wanted{.error = kShareOfCompanion * accuracy_};
+    const double wanted = kErrorOfCompanion * accuracy_;
     climb_all(wanted);
-    const std::optional<Tried> companion = confirmed(wanted);
-    const std::optional<Tried> main = companion ? main_beside(*companion) : most_accurate();
+    const std::optional<Tried> first = confirmed(wanted);
+    const std::optional<Tried> main = first ? main_beside(*first) : most_accurate();
     ChosenIntegrator chosen;
     chosen.pilot_cost = cost_;
     chosen.length = length_;
@@ -232,16 +211,16 @@ class Pilot {
     if (main->error > accuracy_) {
       chosen.warnings.push_back(warning_of(*main));
     }
-    chosen.scene = scene_at(*main);
     chosen.text = line(*main);
+    chosen.scene = variants_.with_integrator(chosen.text);
     const CompanionShares shares = shares_of(methods_[main->method]);
     for (const Tried& one : coarser_than(*main)) {
-      chosen.companions.push_back({scene_at(one), line(one), shares[chosen.companions.size()]});
+      chosen.companions.push_back(companion_at(one, shares[chosen.companions.size()]));
     }
     // One of another family agrees with the run by its own means, and says nothing of the share.
     const bool alone = chosen.companions.size() <= 1;
     add_other_family(*main, chosen);
-    if (alone && !chosen.companions.empty()) chosen.companions.front().share *= kAlone;
+    if (alone && !chosen.companions.empty()) chosen.companions.front().share *= kSingleCompanion;
     return chosen;
   }
 
@@ -297,24 +276,24 @@ class Pilot {
             kAccuracyKey};
   }
 
-  /// The cheapest, whichever it is.
+  /// Finds the reference: the cheapest, whichever it is.
   void find_reference() {
     for (int pass = 0; pass < kMostShortenings && !interrupted(); ++pass) {
       if (look_for_reference()) return;
       piece_.duration /= 4.0;
       piece_.from /= 4.0;
     }
-    // Nothing adaptive gets through: the finest of what is tried has to serve.
+    // No adaptive scheme gets through: the finest setting that is tried has to serve.
   }
 
-  /// So much for each, then four times as much for those that may get through with it.
+  /// Each gets so much, then four times as much where it may get through with that.
   bool look_for_reference() {
     hopefuls_.clear();
     for (const std::size_t k : references()) hopefuls_.push_back({k});
     for (double allowed = kFirstCost; !hopefuls_.empty(); allowed *= 4.0) {
       for (Hopeful& one : hopefuls_) {
         if (interrupted()) return false;
-        if (one.projected > kRoom * allowed) continue;
+        if (one.projected > kMostOverestimated * allowed) continue;
         if (is_reference(one, allowed)) return true;
       }
       if (allowed >= most_cost_) return false;
@@ -324,7 +303,7 @@ class Pilot {
   }
 
   bool is_reference(Hopeful& one, double allowed) {
-    const double tolerance = std::max(kFinestTolerance, kReferenceShare * accuracy_);
+    const double tolerance = std::max(kFinestTolerance, kErrorOfReference * accuracy_);
     TrialRun trial = attempt(one.method, tolerance, allowed);
     if (!trial.finished()) {
       one.projected = projected_cost(one.method, trial);
@@ -332,8 +311,8 @@ class Pilot {
     }
     const auto cost = static_cast<double>(trial.cost());
     // Settings that cost far more than the reference are of no use.
-    most_expensive_ = kMostExpensive * cost;
-    tried_.push_back({one.method, kReferenceLevel, tolerance, cost, kReferenceShare * accuracy_});
+    most_expensive_ = kMostTimesReference * cost;
+    tried_.push_back({one.method, kReferenceLevel, tolerance, cost, kErrorOfReference * accuracy_});
     reference_ = std::move(trial.result);
     return true;
   }
@@ -361,21 +340,14 @@ class Pilot {
     return trial;
   }
 
-  /// A setting with at most this error.
-  struct Wanted {
-    double error = 0.0;
-
-    bool met_by(const Tried& tried) const { return tried.error <= error; }
-  };
-
   /// The settings of a method from coarse to fine: steps from a little below the stable one by
   /// halves.
   double resolution(const Method& method, int level) const {
     if (method.resolution == Resolution::tolerance)
       return kTolerances[static_cast<std::size_t>(level)];
     const double longest =
-        std::min(piece_.duration / kFewestSteps, kFirstStep * method.stable_step);
-    return two_digits(longest / method.unit) * method.unit * std::ldexp(1.0, -level);
+        std::min(piece_.duration / kFewestSteps, kShareOfStableStep * method.stable_step);
+    return method.rounded(longest, 2) * std::ldexp(1.0, -level);
   }
 
   /// The next setting of a method, and what it may cost.
@@ -391,7 +363,7 @@ class Pilot {
   }
 
   /// All methods from coarse to fine, cheap settings first: what they take limits the others.
-  void climb_all(const Wanted& wanted) {
+  void climb_all(double wanted) {
     std::vector<Next> left;
     for (std::size_t k = 0; k < methods_.size(); ++k) {
       const double of_reference = reference_ ? tried_.front().cost : kInfinity;
@@ -404,20 +376,20 @@ class Pilot {
     climb(std::move(left), wanted);
   }
 
-  void climb(std::vector<Next> left, const Wanted& wanted) {
-    climb(std::move(left), wanted, most_expensive_, [](const Tried&) { return true; });
+  void climb(std::vector<Next> left, double wanted) {
+    climb(std::move(left), wanted, most_expensive_, any);
   }
 
-  /// The cheapest first, each until a setting is as wanted, or more expensive than one among these
-  /// that is.
+  /// The cheapest first, each until a setting has at most the wanted error, or is more expensive
+  /// than one among these that has.
   template <class Among>
-  void climb(std::vector<Next> left, const Wanted& wanted, double most_expensive, Among among) {
+  void climb(std::vector<Next> left, double wanted, double most_expensive, Among among) {
     while (!left.empty() && !interrupted()) {
       const auto next = std::min_element(
           left.begin(), left.end(), [](const Next& a, const Next& b) { return a.cost < b.cost; });
       const auto best = cheapest_of(wanted, among);
       const Tried tried = try_out(next->method, next->level, best ? best->cost : most_expensive);
-      if (wanted.met_by(tried) || tried.cost == kInfinity || ++next->level == kMostResolutions) {
+      if (tried.error <= wanted || tried.cost == kInfinity || ++next->level == kMostResolutions) {
         left.erase(next);
       } else {
         next->cost = cost_of_steps(next->method, next->level).value_or(tried.cost);
@@ -434,13 +406,14 @@ class Pilot {
 
   /// An error may be small by chance, where it changes sign: the next finer setting has to be as
   /// good, or the error is taken to be that one's.
-  std::optional<Tried> confirmed(const Wanted& wanted) {
-    for (auto found = cheapest_of(wanted); found && !interrupted(); found = cheapest_of(wanted)) {
+  std::optional<Tried> confirmed(double wanted) {
+    for (auto found = cheapest_of(wanted, any); found && !interrupted();
+         found = cheapest_of(wanted, any)) {
       if (found->level == kReferenceLevel || found->level + 1 >= kMostResolutions) return found;
       const Tried finer = try_out(found->method, found->level + 1, most_expensive_);
       if (finer.error <= found->error) return found;
       known(found->method, found->level)->error = finer.error;
-      if (wanted.met_by(finer)) return cheapest_of(wanted);
+      if (finer.error <= wanted) return cheapest_of(wanted, any);
       climb({{found->method, first_level(found->method)}}, wanted);
     }
     return std::nullopt;
@@ -478,21 +451,25 @@ class Pilot {
     }
     if (trial.end == TrialRun::End::over_budget) {
       tried.cost = kInfinity;
-      too_expensive_.push_back({k, level, std::max(allowed, projected_cost(k, trial) / kRoom)});
+      too_expensive_.push_back(
+          {k, level, std::max(allowed, projected_cost(k, trial) / kMostOverestimated)});
       return tried;
     }
     tried_.push_back(tried);
     return tried;
   }
 
-  std::optional<Tried> cheapest_of(const Wanted& wanted) const {
-    return cheapest_of(wanted, [](const Tried&) { return true; });
+  static bool any(const Tried& tried) {
+    (void)tried;
+    return true;
   }
+
+  /// The cheapest setting among these with at most the wanted error.
   template <class Among>
-  std::optional<Tried> cheapest_of(const Wanted& wanted, Among among) const {
+  std::optional<Tried> cheapest_of(double wanted, Among among) const {
     std::optional<Tried> found;
     for (const Tried& one : tried_) {
-      if (!wanted.met_by(one) || !(one.cost < kInfinity) || !among(one)) continue;
+      if (!(one.error <= wanted) || !(one.cost < kInfinity) || !among(one)) continue;
       if (!found || one.cost < found->cost) found = one;
     }
     return found;
@@ -501,12 +478,12 @@ class Pilot {
   /// The companion that tells whether the integrator of the run has an error that its own settings
   /// share: of another family, at what the other companions leave for it.
   void add_other_family(const Tried& main, ChosenIntegrator& chosen) {
-    const Wanted wanted{.error = kShareOfOther * accuracy_};
+    const double wanted = kErrorOfOtherFamily * accuracy_;
     double left = kMostForCompanions * main.cost;
     for (const Tried& one : coarser_than(main)) left -= one.cost;
     // Short runs are spared nothing that the pilot has not cost already.
     const double of_pilot = static_cast<double>(cost_) * piece_.duration / scene_->run.duration;
-    const double allowed = std::min(std::max(kShareOfWhatIsLeft * left, of_pilot), most_cost_);
+    const double allowed = std::min(std::max(kShareOfRemainingCost * left, of_pilot), most_cost_);
     const auto solves = [this](std::size_t k) { return methods_[k].integrator->needs_tangent; };
     const auto is_other = [&](const Tried& one) {
       return solves(one.method) != solves(main.method) && one.finished && one.cost <= allowed;
@@ -524,7 +501,7 @@ class Pilot {
       // An error may be small by chance: the next finer setting has to be as good, and is taken.
       const Tried finer = try_out(found->method, level_of(*found) + 1, allowed);
       if (!finer.finished || finer.cost > allowed || interrupted()) break;
-      if (wanted.met_by(finer)) {
+      if (finer.error <= wanted) {
         other = finer;
         break;
       }
@@ -533,7 +510,7 @@ class Pilot {
     }
     if (!other) other = elsewhere(is_other);
     if (!other) return;
-    chosen.companions.push_back({scene_at(*other), line(*other), kShareOfOtherFamily, true});
+    chosen.companions.push_back(companion_at(*other, kShareOfOtherFamily, true));
   }
 
   /// A setting that has come to rest away from the reference: finer ones would not come nearer.
@@ -543,14 +520,14 @@ class Pilot {
       if (!among(finer) || !std::isfinite(finer.error) || finer.error <= accuracy_) continue;
       const bool rests = std::any_of(tried_.begin(), tried_.end(), [&](const Tried& coarser) {
         return coarser.method == finer.method && coarser.level + 1 == finer.level &&
-               std::abs(coarser.error - finer.error) <= kUnchanged * finer.error;
+               std::abs(coarser.error - finer.error) <= kChangeAtRest * finer.error;
       });
       if (rests) return finer;
     }
     return std::nullopt;
   }
 
-  /// Without a reference no error is known: the most expensive is the finest.
+  /// The most expensive is the finest where no error is known for want of a reference.
   std::optional<Tried> most_accurate() const {
     std::optional<Tried> best;
     for (const Tried& one : tried_) {
@@ -585,7 +562,7 @@ class Pilot {
       const Tried finer = try_out(companion.method, level, kInfinity);
       if (!finer.finished || !std::isfinite(finer.cost)) break;
       main = finer;
-      if (stated_error(main) <= kMostStated * accuracy_) break;
+      if (stated_error(main) <= kErrorStated * accuracy_) break;
     }
     return main;
   }
@@ -612,15 +589,12 @@ class Pilot {
   }
 
   std::string line(const Tried& tried) const {
-    return methods_[tried.method].at(tried.resolution).back().value;
+    return methods_[tried.method].integrator_at(tried.resolution);
   }
 
-  /// The scene as it was asked for, with nothing but the integrator replaced.
-  std::shared_ptr<const Scene> scene_at(const Tried& tried) const {
-    auto result = std::make_shared<Scene>(*scene_);
-    result->run.integrator =
-        variants_.with(methods_[tried.method].at(tried.resolution))->run.integrator;
-    return result;
+  Companion companion_at(const Tried& tried, double share, bool other_family = false) const {
+    const std::string text = line(tried);
+    return {variants_.with_integrator(text), text, share, other_family};
   }
 
   std::shared_ptr<const Scene> scene_;
@@ -637,7 +611,7 @@ class Pilot {
   std::vector<Tried> tried_;  ///< the reference is the first
   std::vector<TooExpensive> too_expensive_;
   std::vector<Hopeful> hopefuls_;  ///< that might have become the reference
-  BegunRuns begun_;
+  StoreFile begun_{{}, "", 0.0};   ///< runs over budget, which resume with a larger one; in memory
   std::map<std::string, std::uint64_t> cost_of_;  ///< of trials, by name
   std::uint64_t cost_ = 0;
 };
@@ -658,7 +632,7 @@ double relative_difference(const RunResult& result, const RunResult& reference, 
       square += (x[d] - y[d]) * (x[d] - y[d]);
       size += y[d] * y[d];
     }
-    const double held_to = std::max(std::sqrt(size), kFloor * true_ones[k].scale);
+    const double held_to = std::max(std::sqrt(size), kCancellation * true_ones[k].scale);
     if (std::sqrt(square) <= true_ones[k].nothing) continue;
     const double part = held_to > 0.0 ? std::sqrt(square) / held_to : kInfinity;
     largest = std::isfinite(part) ? std::max(largest, part) : kInfinity;

@@ -43,14 +43,15 @@ inline constexpr CompanionShares kSharesOfTolerances = {2.0, 0.5};
 /// Shares for steps twice and four times as long, of a scheme of this order.
 CompanionShares shares_of_steps(int order);
 
-/// The factor that one companion alone is trusted less by.
-inline constexpr double kAlone = 2.0;
+/// The factor of the share where there is one companion alone, whose difference may be small by
+/// chance.
+inline constexpr double kSingleCompanion = 2.0;
 
-/// The share of the difference to a companion of another family, which is the run's own error but
-/// for the companion's: a quarter of room for that.
+/// The share of the difference to a companion of another family: the run's own error, and a quarter
+/// of it for that of the companion.
 inline constexpr double kShareOfOtherFamily = 1.25;
 
-/// Evaluations times coordinates that one run of the pilot may take: seconds.
+/// Evaluations times coordinates that one run of the pilot may take, which are some seconds.
 inline constexpr double kMostPilotWork = 4e8;
 
 /// A coarser run of the same scene, or one by another family.
@@ -74,9 +75,9 @@ struct ChosenIntegrator {
   std::vector<Warning> warnings;
 };
 
-/// For a scene with an accuracy; what a store has is not looked for again. Throws InputError for
-/// what every integrator refuses. Where nothing gets through the pilot, the scene is left with the
-/// integrator that it was bound with.
+/// Chooses the integrator of a scene with an accuracy, or reads the choice from the store. Throws
+/// InputError for what every integrator refuses. Where no run gets through the pilot, the scene is
+/// left with the integrator that it was bound with.
 ChosenIntegrator choose_integrator(const std::shared_ptr<const Scene>& scene,
                                    const Registry& registry,
                                    const std::atomic<bool>* stop = nullptr,

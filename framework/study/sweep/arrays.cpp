@@ -19,7 +19,6 @@
 #include "framework/output/checkpoint.hpp"
 #include "framework/output/hdf5_file.hpp"
 #include "framework/study/sweep/files.hpp"
-#include "framework/study/sweep/row_order.hpp"
 
 namespace tomlin {
 namespace {

@@ -45,11 +45,11 @@ struct Bisection {
 /// Adds points to a plan whose grid has rows: those of a refinement, round by round. Which they are
 /// depends on rows alone, and each on rows of its own line, whoever has run them and when.
 ///
-/// With a level, each pair of neighbours of which one observable is below and the other one is not.
-/// Between two with points that have no number it has failed. Where a line has no such pair and its
-/// first or last point has no number, the level may be crossed next to that point: the search goes
-/// there, and stays at the crossing if it meets one. Without a level in each line the first pair of
-/// the largest difference, and that half of it which has the larger one.
+/// With a level, each pair of neighbours is bisected of which one observable is below and the other
+/// one is not. Between two with points that have no number it has failed. Where a line has no such
+/// pair and its first or last point has no number, the level may be crossed next to that point: the
+/// search goes there, and stays at the crossing if it meets one. Without a level the first pair of
+/// the largest difference in each line is bisected, and that half of it which has the larger one.
 class SweepBisection {
  public:
   /// The plan must have a refinement. Plan and journal must outlive the object.

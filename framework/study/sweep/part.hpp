@@ -4,10 +4,10 @@
 
 namespace tomlin {
 
-/// Some of the points of a sweep; by default all. Of every `of` successive points each part has
-/// one, so that expensive points, which are neighbours as a rule, are spread over the parts; it is
-/// another one each time, since in a grid every so many points have the same value of an axis.
-/// Where points continue from their neighbour, whole lines take the place of points.
+/// A part has some of the points of a sweep; by default all. Each part has one of every `of`
+/// successive points, so that expensive points, which are neighbours as a rule, are spread over the
+/// parts; it is another one each time, since in a grid every so many points have the same value of
+/// an axis. Whole lines are shared out instead of points where these continue from their neighbour.
 struct SweepPart {
   std::size_t index = 0;  ///< 0 to of - 1
   std::size_t of = 1;     ///< parts

@@ -9,12 +9,16 @@
 #include <fmt/format.h>
 
 #include "framework/core/text/fault.hpp"
+#include "framework/output/sweep_files.hpp"
 #include "framework/run/results/observables.hpp"
 #include "framework/study/accuracy/accuracy.hpp"
 #include "framework/study/tradeoff/methods.hpp"
 
 namespace tomlin {
 namespace {
+
+/// The name of the run itself in its store; runs beside it have other names.
+constexpr const char* kRunOfPoint = "run";
 
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
@@ -57,19 +61,22 @@ PointRun::PointRun(const SweepPlan& plan, std::size_t point, const std::atomic<b
   options_.stop = stop;
   options_.observables = plan.paths();
   if (checkpoints.empty()) return;
-  file_ = PointCheckpoint::file_of(checkpoints, point);
-  checkpoint_.emplace(file_, fmt::format("sweep {:x}, point {}", plan.identity(), point),
-                      scene_->run.checkpoint_every);
-  options_.sink = &*checkpoint_;
-  options_.store = &*checkpoint_;
+  store_.emplace(checkpoints / fmt::format("{}{}", point, kPointSuffix),
+                 fmt::format("sweep {:x}, point {}", plan.identity(), point),
+                 scene_->run.checkpoint_every);
+  state_ = store_->kept(kRunOfPoint);
+  options_.sink = this;
+  options_.store = &*store_;
 }
 
-/// From its checkpoint, unless that is of a program with other numbers in its state.
+void PointRun::checkpoint(const RunState& state) { store_->keep(kRunOfPoint, state.to_bytes()); }
+
+/// Resumes from its checkpoint, unless that is of a program with other numbers in its state.
 template <class Act>
 auto PointRun::resumed(Act act) {
   RunOptions options = options_;
-  if (checkpoint_ && !checkpoint_->state().empty()) {
-    options.resume_from = &checkpoint_->state();
+  if (!state_.empty()) {
+    options.resume_from = &state_;
     try {
       return act(options);
     } catch (const std::invalid_argument&) {
@@ -110,12 +117,12 @@ std::optional<SweepRow> PointRun::end() {
 }
 
 void PointRun::remove_checkpoint() const {
-  if (!file_.empty()) PointCheckpoint::remove(file_);
+  if (store_) store_->remove();
 }
 
 std::optional<SweepRow> PointRun::row_of(const RunResult& result) {
   if (result.status == RunStatus::interrupted) {
-    if (checkpoint_) checkpoint_->write();
+    if (store_) store_->write();
     return std::nullopt;
   }
   SweepRow row = row_without_numbers(plan_, SweepStatus::finished, "");
@@ -133,16 +140,6 @@ std::optional<SweepRow> PointRun::row_of(const RunResult& result) {
     if (number && std::isfinite(*number)) row.numbers[k] = *number;
   }
   return row;
-}
-
-std::optional<SweepRow> run_point(const SweepPlan& plan, std::size_t point,
-                                  const std::atomic<bool>* stop,
-                                  const std::filesystem::path& checkpoints) {
-  try {
-    return PointRun(plan, point, stop, checkpoints).run();
-  } catch (const InputError& error) {
-    return row_of_refused(plan, error);
-  }
 }
 
 }  // namespace tomlin

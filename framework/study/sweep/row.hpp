@@ -42,7 +42,7 @@ struct SweepRow {
 class SweepRows {
  public:
   virtual ~SweepRows() = default;
-  /// Whether a point has a row. Not while this row is kept.
+  /// Whether a point has a row. It is not called while this row is kept.
   virtual bool has(std::size_t point) const = 0;
   /// Throws OutputError.
   virtual void keep(std::size_t point, const SweepRow& row) = 0;

@@ -4,19 +4,50 @@
 #include <chrono>
 #include <condition_variable>
 #include <exception>
+#include <memory>
 #include <numeric>
 #include <string>
 #include <system_error>
 #include <thread>
+#include <utility>
 
 #include <fmt/format.h>
 
-#include "framework/study/sweep/line_run.hpp"
-#include "framework/study/sweep/trace.hpp"
+#include "framework/core/text/fault.hpp"
+#include "framework/output/resumption.hpp"
+#include "framework/output/run_folder.hpp"
+#include "framework/study/recorded_run.hpp"
 #include "framework/study/sweep/worker.hpp"
+#include "framework/study/tradeoff/trial_run.hpp"
 
 namespace tomlin {
 namespace {
+
+/// Runs a point and leaves in a folder what `tomlin run` does; resumes one that was stopped there,
+/// and does nothing where it has ended or the scene refuses the point. False when it was stopped.
+/// Throws OutputError, and InputError where the folder cannot be used.
+bool trace_point(const SweepPlan& plan, std::size_t point, const std::filesystem::path& path,
+                 const std::atomic<bool>* stop) {
+  std::shared_ptr<const Scene> scene;
+  try {
+    scene = plan.scene_at(point);
+    result_at_start(scene);
+  } catch (const InputError&) {
+    return true;  // as the row of the point says
+  }
+  RunFolder folder(path, Occupied::go_on);
+  Resumption found = find_resumption(folder, *scene, plan.program_version());
+  using Kind = Resumption::Kind;
+  if (found.kind == Kind::finished || found.kind == Kind::failed) return true;
+  folder.own(found.journal);
+  RecordedRunOptions options;
+  options.program_version = plan.program_version();
+  options.before = StoreFile::Before::read;
+  options.stop = stop;
+  const RecordedRun run = record_run(folder, scene, *scene->registry, std::move(found), options);
+  if (run.trouble) throw OutputError(*run.trouble);
+  return !run.stopped_before && run.result.status != RunStatus::interrupted;
+}
 
 /// The threads of a sweep and what they have done.
 class SweepWork : private PointSource {
@@ -62,12 +93,7 @@ class SweepWork : private PointSource {
 
   void work() {
     try {
-      const WorkerOptions options{&halt_, options_.folder, most_at_once_};
-      if (plan_.line() > 1) {
-        run_lines(options);
-      } else {
-        SweepWorker(plan_, *this, options).work();
-      }
+      SweepWorker(plan_, *this, {&halt_, options_.folder, most_at_once_}).work();
       trace();
     } catch (...) {
       halt_ = true;
@@ -79,17 +105,7 @@ class SweepWork : private PointSource {
     ended_.notify_one();
   }
 
-  void run_lines(const WorkerOptions& options) {
-    for (;;) {
-      const std::vector<std::size_t> points = queue_.take(1);
-      if (points.empty() || !run_line(plan_, points, *this, options)) return;
-    }
-  }
-
-  std::optional<std::size_t> take() override {
-    const std::vector<std::size_t> points = queue_.take(1);
-    return points.empty() ? std::nullopt : std::optional(points.front());
-  }
+  std::vector<std::size_t> take() override { return queue_.take(1); }
 
   void keep(std::size_t point, const SweepRow& row) override {
     rows_.keep(point, row);
@@ -109,7 +125,7 @@ class SweepWork : private PointSource {
     }
   }
 
-  /// Until all threads have ended.
+  /// Reports progress and passes on `stop` until all threads have ended.
   void watch() {
     std::unique_lock lock(mutex_);
     auto next_shown = started_ + kShowEvery;

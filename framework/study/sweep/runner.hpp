@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <functional>
 #include <mutex>
-#include <optional>
 #include <vector>
 
 #include "framework/study/sweep/part.hpp"
@@ -22,7 +21,7 @@ class SweepQueue {
   SweepQueue(const SweepPlan& plan, const SweepRows& rows, SweepPart part = {})
       : plan_(plan), rows_(rows), part_(part) {}
 
-  /// Up to so many points, and all others of the last one's line; none: the queue is empty.
+  /// Takes up to so many points, and all others of the last one's line; none: the queue is empty.
   std::vector<std::size_t> take(std::size_t most);
 
  private:

@@ -29,7 +29,7 @@ struct SweepHeader {
   std::uint64_t columns = 0;
 };
 
-/// A record but for its numbers, which follow.
+/// The start of a record, in front of its numbers.
 struct SweepRecordStart {
   std::uint64_t point = 0;
   std::uint64_t status = 0;
@@ -61,31 +61,12 @@ std::size_t size_of(const Descriptor& file) {
 /// More than any header has.
 constexpr std::size_t kLongestHeader = 4096;  // bytes
 
-/// Nothing where the file ends before its header does: then there is no record either.
-std::optional<SweepHeader> header_in(const std::filesystem::path& path, const Descriptor& file) {
-  const std::string name = path.string();
-  const auto bytes_of = [&](std::size_t size) {
-    std::vector<std::byte> bytes(size);
-    if (read_at(file, bytes, 0) != static_cast<std::ptrdiff_t>(size)) {
-      throw DamagedFile(name + ": cannot be read");
-    }
-    return bytes;
-  };
-  if (size_of(file) < kRecordHead) return std::nullopt;
-  const RecordHead head = record_head(name, bytes_of(kRecordHead));
-  if (head.kind != RecordKind::sweep) throw DamagedFile(name + ": not a journal of a sweep");
-  if (size_of(file) < kRecordHead + kRecordChecksum ||
-      head.length > size_of(file) - kRecordHead - kRecordChecksum) {
-    if (size_of(file) > kLongestHeader) throw DamagedFile(name + ": its header is damaged");
-    return std::nullopt;
-  }
-  const auto whole = bytes_of(kRecordHead + head.length + kRecordChecksum);
-  std::uint64_t checksum = kFirstChecksum;
-  RecordReader record(name, record_content(name, whole, checksum));
-  const auto format = record.number<std::uint32_t>();
-  if (format != kSweepFormat) {
-    record.refuse(fmt::format("its format is {}, this program's is {}", format, kSweepFormat));
-  }
+/// Returns nothing where the file ends before its header does: then there is no record either.
+std::optional<SweepHeader> header_in(RecordFile file) try {
+  const RecordHead head = file.next_head();
+  if (head.kind != RecordKind::sweep) file.refuse("not a journal of a sweep");
+  RecordReader record(file.name(), file.next(head));
+  record.require_format(kSweepFormat);
   SweepHeader header;
   header.version = record.text();
   header.identity = record.number<std::uint64_t>();
@@ -93,18 +74,21 @@ std::optional<SweepHeader> header_in(const std::filesystem::path& path, const De
   header.columns = record.number<std::uint64_t>();
   record.end();
   return header;
+} catch (const TruncatedFile&) {
+  if (file.size() > kLongestHeader) file.refuse("its header is damaged");
+  return std::nullopt;
 }
 
 }  // namespace
 
 SweepJournal::Found SweepJournal::look(const std::filesystem::path& file, const SweepPlan& plan) {
-  const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW));
+  Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW));
   if (!descriptor.open() && errno == ENOENT) return Found::nothing;
   if (!descriptor.open()) {
     throw DamagedFile(fmt::format("{}: cannot be read: {}", file.string(),
                                   std::generic_category().message(errno)));
   }
-  const auto header = header_in(file, descriptor);
+  const auto header = header_in(RecordFile(file, std::move(descriptor)));
   if (!header) return Found::nothing;
   const SweepHeader expected = header_of(plan);
   if (header->version != expected.version) return Found::other_version;
@@ -149,7 +133,7 @@ void SweepJournal::keep(std::size_t point, const SweepRow& row) {
   }
   std::string_view reason = row.reason;
   if (reason.size() > kLongestReason) {
-    // Not within a character of UTF-8.
+    // The cut is not within a character of UTF-8.
     std::size_t end = kLongestReason;
     while (end > 0 && (static_cast<unsigned char>(reason[end]) & 0xC0U) == 0x80U) --end;
     reason = reason.substr(0, end);

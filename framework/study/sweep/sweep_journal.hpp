@@ -18,10 +18,9 @@ namespace tomlin {
 
 /// The rows of a sweep in a file: a header, then a record of fixed size for each number of a point
 /// at its own offset, then one of the whole sweep once it is over, then the reasons of those that
-/// have not finished. A record is seeded with the
-/// checksum of the header and holds the number of its point: one of another sweep, of another
-/// point, or that was written in part only, is no record, and its point is run again. Offsets that
-/// were never written take no room on the disk.
+/// have not finished. A record is seeded with the checksum of the header and holds the number of
+/// its point: one of another sweep, of another point, or that was written in part only, is no
+/// record, and its point is run again. Offsets that were never written take no room on the disk.
 class SweepJournal : public SweepRows {
  public:
   enum class Found { nothing, same_sweep, other_sweep, other_version };

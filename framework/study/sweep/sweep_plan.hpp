@@ -29,13 +29,14 @@
 ///   write_...()   sweep.csv and sweep.h5, made from the rows in the order of the points.
 ///
 /// A row depends on its point alone and has the bits of `tomlin run` with the point's settings.
-/// Where points continue from their neighbour, it depends on those before it in its line: all
-/// values of the last dimension for given others, which one thread runs one after the other.
+/// It depends on those before it in its line where points continue from their neighbour: a line has
+/// all values of the last dimension for given others, which one thread runs one after the other.
 ///
-/// What computes rows can therefore be exchanged: lanes take batches of points of one structure
-/// from the queue; the workers of an executor (SweepOptions::run_points) get theirs from the queue
-/// of the process that has the journal. A part of the points (SweepPart) may be run elsewhere with
-/// a journal of its own, and the journals of one plan are merged record by record (merge.hpp).
+/// The computation of rows can therefore be exchanged: lanes take batches of points of one
+/// structure from the queue; the workers of an executor (SweepOptions::run_points) get theirs from
+/// the queue of the process that has the journal. A part of the points (SweepPart) may be run
+/// elsewhere with a journal of its own, and the journals of one plan are merged record by record
+/// (merge.hpp).
 namespace tomlin {
 
 /// One result that is kept of each run.
@@ -93,13 +94,13 @@ class SweepPlan {
   bool exists(std::size_t point) const {
     return point < points_ || !std::isnan(added_[point - points_]);
   }
-  /// With this value of the refined axis. Threads may run other points meanwhile.
+  /// Adds a point with this value of the refined axis. Threads may run other points meanwhile.
   void add(std::size_t point, double value) { added_[point - points_] = value; }
   /// The point of the dimensions itself, or the one on the left of an added one.
   std::size_t left_of(std::size_t point) const {
     return point < points_ ? point : (point - points_) / refinement_->rounds;
   }
-  /// From one value of an axis to the next.
+  /// The number of points from one value of an axis to the next.
   std::size_t stride(std::size_t axis) const { return stride_[dimension_of_[axis]]; }
   /// Points that follow one another, each from the end of the one before it: all of the last
   /// dimension; 1 where they do not.

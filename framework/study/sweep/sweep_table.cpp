@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -8,7 +7,6 @@
 #include "framework/output/number_text.hpp"
 #include "framework/output/output_file.hpp"
 #include "framework/study/sweep/files.hpp"
-#include "framework/study/sweep/row_order.hpp"
 
 namespace tomlin {
 namespace {
@@ -30,13 +28,38 @@ void for_each_row(const SweepPlan& plan, const SweepJournal& journal, Visit visi
   }
 }
 
-std::string quoted_cell(std::string_view text) {
-  std::string cell = "\"";
-  for (const char c : text) cell += c == '"' ? "\"\"" : std::string(1, c);
-  return cell + "\"";
+}  // namespace
+
+RowOrder::RowOrder(const SweepPlan& plan) : plan_(plan) {
+  if (!plan.refinement()) return;
+  for (std::size_t point = 0; point < plan.point_numbers(); ++point) {
+    if (plan.exists(point)) points_.push_back(point);
+  }
+  const std::size_t refined = plan.refinement()->axis;
+  const SweepValues& values = plan.axes()[refined].values;
+  const bool rises = values.number(values.size() - 1) > values.number(0);
+  const auto comes_before = [&](std::size_t one, std::size_t other) {
+    for (const SweepDimension& dimension : plan.dimensions()) {
+      const std::size_t axis = dimension.axes.front();
+      const std::size_t a = plan.index(axis, one);
+      const std::size_t b = plan.index(axis, other);
+      if (a != b) return a < b;
+      if (axis != refined || (one < plan.points() && other < plan.points())) continue;
+      const double x = plan.number(axis, one);
+      const double y = plan.number(axis, other);
+      if (x != y) return (x < y) == rises;
+    }
+    return false;
+  };
+  std::sort(points_.begin(), points_.end(), comes_before);
 }
 
-}  // namespace
+void RowOrder::read(const SweepJournal& journal, std::size_t first,
+                    std::span<SweepRow> rows) const {
+  if (!plan_.refinement()) return journal.read(first, rows);
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    journal.read(points_[first + k], rows.subspan(k, 1));
+}
 
 SweepCounts count_rows(const SweepPlan& plan, const SweepJournal& journal, SweepPart part) {
   SweepCounts counts;
@@ -85,10 +108,7 @@ void write_sweep_table(const std::filesystem::path& file, const SweepPlan& plan,
     text += ',';
     if (!row.reason.empty()) text += quoted_cell(row.reason);
     text += '\n';
-    constexpr std::size_t kBytesAtOnce = std::size_t{1} << 16;
-    if (text.size() < kBytesAtOnce) return;
-    output.append(text);
-    text.clear();
+    output.append_if_long(text);
   });
   output.append(text);
   output.publish();

@@ -6,6 +6,7 @@
 
 #include "framework/core/text/fault.hpp"
 #include "framework/run/steps/lane_batch.hpp"
+#include "framework/study/sweep/line_run.hpp"
 
 namespace tomlin {
 namespace {
@@ -18,6 +19,12 @@ constexpr std::size_t kFewestInLanes = 3;
 }  // namespace
 
 void SweepWorker::work() {
+  if (plan_.line() > 1) {
+    for (auto points = source_.take(); !points.empty(); points = source_.take()) {
+      if (!run_line(plan_, points, source_, options_)) return;
+    }
+    return;
+  }
   while (!stopped()) {
     if (waiting_.empty() && !fetch()) return;
     if (!waiting_.empty()) run_first();
@@ -26,10 +33,11 @@ void SweepWorker::work() {
 
 /// One point more: it waits for a batch, unless it is run by itself. False: there are no more.
 bool SweepWorker::fetch() {
-  const std::optional<std::size_t> point = source_.take();
-  if (!point) return false;
+  const std::vector<std::size_t> points = source_.take();
+  if (points.empty()) return false;
+  const std::size_t point = points.front();
   try {
-    auto run = std::make_unique<PointRun>(plan_, *point, options_.stop, options_.checkpoints);
+    auto run = std::make_unique<PointRun>(plan_, point, options_.stop, options_.checkpoints);
     const Engine* const engine = options_.most_at_once > 1 ? run->engine() : nullptr;
     if (engine != nullptr && engine->why_not_in_lanes().empty()) {
       waiting_.push_back(std::move(run));
@@ -37,7 +45,7 @@ bool SweepWorker::fetch() {
       keep(*run, run->run());
     }
   } catch (const InputError& error) {
-    source_.keep(*point, row_of_refused(plan_, error));
+    source_.keep(point, row_of_refused(plan_, error));
   }
   return true;
 }
@@ -76,7 +84,7 @@ void SweepWorker::run_first() {
   run_batch(std::move(first), std::move(runs));
 }
 
-/// Until all have ended, or so few are left that fewer lanes, or none, take less time.
+/// Runs them until all have ended, or so few are left that fewer lanes, or none, take less time.
 void SweepWorker::run_batch(std::unique_ptr<PointRun> first, Runs runs) {
   Engine& like = *first->engine();
   LaneBatch batch(like, runs.size() + 1);

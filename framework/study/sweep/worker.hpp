@@ -15,11 +15,12 @@
 
 namespace tomlin {
 
-/// Hands out points, one after the other, and takes their rows.
+/// Hands out points, one line after the other, and takes their rows.
 class PointSource {
  public:
   virtual ~PointSource() = default;
-  virtual std::optional<std::size_t> take() = 0;
+  /// The next point, or all of the next line that have no row; empty: there are no more.
+  virtual std::vector<std::size_t> take() = 0;
   virtual void keep(std::size_t point, const SweepRow& row) = 0;
 
  protected:
@@ -32,7 +33,8 @@ struct WorkerOptions {
   std::size_t most_at_once = 1;            ///< points in lanes: a fair share of all
 };
 
-/// Runs points in one thread. Those of one structure, scheme and step are taken in lanes
+/// Runs points in one thread: those of a line one after the other (run_line()), where they continue
+/// from their neighbour. Otherwise those of one structure, scheme and step are taken in lanes
 /// (LaneBatch), and what ends is replaced by the next; the others are run one by one. Rows do not
 /// depend on it.
 class SweepWorker {
@@ -40,7 +42,7 @@ class SweepWorker {
   SweepWorker(const SweepPlan& plan, PointSource& source, WorkerOptions options)
       : plan_(plan), source_(source), options_(std::move(options)) {}
 
-  /// Until there are no more points, or it is stopped: checkpoints are then written.
+  /// Runs points until there are no more, or it is stopped: checkpoints are then written.
   void work();
 
  private:

@@ -13,7 +13,7 @@ namespace {
 
 /// Runs shorter than this are timed anew, up to so often: the clock's and the machine's noise is
 /// not theirs.
-constexpr double kShort = 5e-3;
+constexpr double kShortRun = 5e-3;
 constexpr int kTimings = 3;
 
 Measurement measurement_of(const TrialRun& trial, const std::string& path) {
@@ -22,14 +22,13 @@ Measurement measurement_of(const TrialRun& trial, const std::string& path) {
   found.evaluations = trial.result.force_evaluations;
   found.columns = trial.result.jacobian_columns;
   found.seconds = trial.seconds;
-  found.part = trial.part();
   found.why = trial.why;
   if (trial.finished()) {
     found.value = observable(trial.result, path);
     if (!found.value) found.why = path + " is undefined in it";
   } else if (trial.end == TrialRun::End::over_budget) {
     found.why = fmt::format("over budget: {:.2g} s for {:.2g} % of the run", trial.seconds,
-                            100.0 * found.part);
+                            100.0 * trial.part());
   }
   return found;
 }
@@ -83,7 +82,7 @@ const Measurement& Measurer::at(const Method& method, double resolution, double 
   Measurement& found = remembered.measurement;
   found = with(method.at(resolution), limit);
   const int timings = pace_ > 0.0 ? 1 : kTimings;
-  for (int k = 1; k < timings && found.defined() && found.seconds < kShort && !is_over(); ++k) {
+  for (int k = 1; k < timings && found.defined() && found.seconds < kShortRun && !is_over(); ++k) {
     const Measurement again = with(method.at(resolution), limit);
     if (again.defined()) found.seconds = std::min(found.seconds, again.seconds);
   }

@@ -21,7 +21,6 @@ struct Measurement {
   std::uint64_t evaluations = 0;  ///< of all forces
   std::uint64_t columns = 0;      ///< of Jacobians
   double seconds = 0.0;           ///< the best of a few runs when it is short
-  double part = 0.0;              ///< of the run that was done
   std::string why;                ///< there is no value
 
   bool defined() const { return value.has_value(); }
@@ -36,7 +35,7 @@ class Measurer {
   Measurer(const Variants& variants, std::string observable, double budget_seconds,
            const std::atomic<bool>* stop, double pace = 0.0);
 
-  /// At most so many seconds, and never more than the budget has left.
+  /// The run takes at most so many seconds, and never more than the budget has left.
   const Measurement& at(const Method& method, double resolution, double most_seconds);
   /// Measures other settings or starts within the same limits, and remembers nothing.
   Measurement with(const std::vector<Setting>& settings, double most_seconds,

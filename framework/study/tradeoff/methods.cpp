@@ -1,6 +1,7 @@
 #include "framework/study/tradeoff/methods.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -20,8 +21,9 @@ namespace {
 constexpr const char* kAbsolute = "absolute";
 constexpr const char* kTolerance = "tolerance";
 
-/// The rows of an integrator that its resolution sets: those without a default, and all tolerances.
-std::vector<const Parameter*> knob_rows(const IntegratorRecord& integrator) {
+/// The parameters of an integrator that its resolution sets: those without a default, and all
+/// tolerances.
+std::vector<const Parameter*> resolution_rows(const IntegratorRecord& integrator) {
   std::vector<const Parameter*> rows;
   for (const Parameter& row : integrator.parameters) {
     if (!std::holds_alternative<double>(row.prototype)) continue;
@@ -84,8 +86,8 @@ bool is_for_noise(const IntegratorRecord& integrator) {
   return integrator.half_step_velocities || !integrator.with_inertia;
 }
 
-Method rung_of(const Scene& scene, const ModelChange& model, const IntegratorRecord& integrator,
-               NumberType number_type) {
+Method method_of(const Scene& scene, const ModelChange& model, const IntegratorRecord& integrator,
+                 NumberType number_type) {
   Method method;
   method.model = model.name;
   method.integrator = &integrator;
@@ -99,7 +101,7 @@ Method rung_of(const Scene& scene, const ModelChange& model, const IntegratorRec
     method.settings.push_back({"run.number_type", quoted_text(to_string(number_type))});
   }
   method.resolution = integrator.adaptive ? Resolution::tolerance : Resolution::step;
-  method.absolute_share = length_scale(scene);
+  method.absolute_share = natural_units(scene).length;
   if (method.resolution == Resolution::step) method.unit = scene.run.duration;
   return method;
 }
@@ -118,47 +120,59 @@ void try_to_bind(const Variants& variants, Method& method) {
   }
 }
 
+/// Adds every registered integrator on one model.
+void add_methods(const Variants& variants, const ModelChange& model, NumberType number_type,
+                 std::vector<Method>& methods) {
+  for (const auto& integrator : variants.registry().integrators()) {
+    if (integrator->follows_equilibria != (model.dynamics == Dynamics::quasistatic)) continue;
+    if (is_for_noise(*integrator)) continue;
+    methods.push_back(method_of(variants.scene(), model, *integrator, number_type));
+    try_to_bind(variants, methods.back());
+  }
+}
+
 }  // namespace
 
-std::vector<Setting> Method::at(double value) const {
+std::string Method::integrator_at(double value) const {
   std::string table = "{ type = " + quoted_text(integrator->name);
-  for (const Parameter* row : knob_rows(*integrator)) {
+  for (const Parameter* row : resolution_rows(*integrator)) {
     const double number = is_absolute(*row) ? value * absolute_share : value;
     table += fmt::format(", {} = {}", row->key, number);
   }
+  return table + " }";
+}
+
+std::vector<Setting> Method::at(double value) const {
   std::vector<Setting> all = settings;
-  all.push_back({"run.integrator", table + " }"});
+  all.push_back({"run.integrator", integrator_at(value)});
   return all;
 }
 
+double Method::rounded(double value, int digits) const {
+  return rounded_to_digits(value / unit, digits) * unit;
+}
+
 std::vector<Method> methods_for(const Variants& variants) {
-  const Scene& scene = variants.scene();
   std::vector<Method> methods;
-  for (const ModelChange& model : model_changes(scene)) {
-    for (const auto& integrator : variants.registry().integrators()) {
-      if (integrator->follows_equilibria != (model.dynamics == Dynamics::quasistatic)) continue;
-      if (is_for_noise(*integrator)) continue;
-      methods.push_back(rung_of(scene, model, *integrator, NumberType::double_precision));
-      try_to_bind(variants, methods.back());
-    }
+  for (const ModelChange& model : model_changes(variants.scene())) {
+    add_methods(variants, model, NumberType::double_precision, methods);
   }
   return methods;
 }
 
 std::vector<Method> methods_of_own_model(const Variants& variants) {
-  const Scene& scene = variants.scene();
-  const ModelChange own = {"", {}, scene.run.dynamics};
+  const RunSettings& run = variants.scene().run;
   std::vector<Method> methods;
-  for (const auto& integrator : variants.registry().integrators()) {
-    if (integrator->follows_equilibria != (own.dynamics == Dynamics::quasistatic)) continue;
-    if (is_for_noise(*integrator)) continue;
-    methods.push_back(rung_of(scene, own, *integrator, scene.run.number_type));
-    try_to_bind(variants, methods.back());
-  }
+  add_methods(variants, {"", {}, run.dynamics}, run.number_type, methods);
   return methods;
 }
 
-double length_scale(const Scene& scene) { return natural_units(scene).length; }
+double rounded_to_digits(double x, int digits) {
+  const std::string text = fmt::format("{:.{}e}", x, digits - 1);
+  double rounded = x;
+  std::from_chars(text.data(), text.data() + text.size(), rounded);
+  return rounded;
+}
 
 std::string condensed(const InputError& error) {
   const std::vector<Fault>& faults = error.faults();

@@ -42,8 +42,12 @@ struct Method {
 
   /// Does it solve the scene's own equations, so that only the numerics differ?
   bool is_own_model() const { return model.empty(); }
+  /// The table of its integrator in a scene, with the resolution at this value.
+  std::string integrator_at(double resolution) const;
   /// The settings that select it with its resolution at this value.
   std::vector<Setting> at(double resolution) const;
+  /// A resolution in so many digits of its unit, as it will stand in a scene.
+  double rounded(double resolution, int digits) const;
 };
 
 /// Every registered integrator on the scene as it is, in double precision, then the same on simpler
@@ -55,8 +59,8 @@ std::vector<Method> methods_for(const Variants& variants);
 /// Methods that solve the scene's own equations in its own number type.
 std::vector<Method> methods_of_own_model(const Variants& variants);
 
-/// The scene's length (framework/scene/natural_units.hpp).
-double length_scale(const Scene& scene);
+/// A number in so many significant digits.
+double rounded_to_digits(double x, int digits);
 
 /// Returns an input error on one line: its first fault without its position in the file, and how
 /// many more there are.

@@ -17,8 +17,8 @@
 namespace tomlin {
 namespace {
 
-/// The reference is to be better than the tolerance by this factor.
-constexpr double kFiner = 1e-3;
+/// The moves of the reference are to be at most this part of the tolerance.
+constexpr double kPartOfTolerance = 1e-3;
 /// Tolerance of adaptive schemes at a first look.
 constexpr double kPilotTolerance = 1e-6;
 /// Shares of the budget for the scheme, its pilot, the second scheme and the runs in quadruple.
@@ -29,10 +29,10 @@ constexpr double kShareOfQuadruple = 0.05;
 constexpr double kMostSecondsOfQuadruple = 2.0;
 /// A run in quadruple takes about so many times longer.
 constexpr double kSlownessOfQuadruple = 500.0;
-/// A value within so many of its own errors of zero is not known; it is zero where its error is no
-/// more than rounding of what the scene's own units have for it.
+/// A value within so many of its own errors of zero is not resolved; it is zero where its error is
+/// at most this part of the unit that the scene's own scales give it.
 constexpr double kErrorsFromZero = 10.0;
-constexpr double kZero = 1e-12;
+constexpr double kRoundingOfUnits = 1e-12;
 /// Moves below this part of the value are rounding.
 constexpr double kReferenceRounding = 1e-14;
 
@@ -87,8 +87,8 @@ class ReferenceSearch {
  private:
   double share(double part) const { return part * measurer_.budget(); }
 
-  /// To begin with, the scheme that promises the finest tolerance at least cost: a first look at
-  /// each adaptive one, coarser where none gets through; then at fixed steps.
+  /// The search begins with the scheme that promises the finest tolerance at least cost: each
+  /// adaptive one is tried, coarser where none gets through; then those with fixed steps.
   ReferenceSetup choose() {
     for (const double tolerance : {kPilotTolerance, 1e-4, 1e-2}) {
       const ReferenceSetup best = cheapest(tolerance);
@@ -153,14 +153,14 @@ class ReferenceSearch {
   double goal() const {
     const double size = std::abs(found_.value);
     // A value that is tiny against its first moves is zero, or not resolved.
-    return kFiner * tolerance_ *
-           (size > kErrorsFromZero * found_.error ? size : kZero * found_.natural);
+    return kPartOfTolerance * tolerance_ *
+           (size > kErrorsFromZero * found_.error ? size : kRoundingOfUnits * found_.natural);
   }
 
   void keep(const Method& method, double resolution, const Measurement& at) {
     found_.method = method.name;
     found_.resolution = method.resolution;
-    found_.knob_value = resolution;
+    found_.resolution_value = resolution;
     found_.value = *at.value;
     found_.cost = at.cost();
     found_.seconds = at.seconds;
@@ -252,7 +252,7 @@ class ReferenceSearch {
   /// The scheme itself where it is available in quadruple, or else the second one, which shows what
   /// rounding does to this scene.
   ReferenceSetup in_quadruple(const Method& main) const {
-    if (main.integrator->bind.in_quadruple != nullptr) return {&main, found_.knob_value};
+    if (main.integrator->bind.in_quadruple != nullptr) return {&main, found_.resolution_value};
     const bool other = second_.method != nullptr && second_.method->integrator->bind.in_quadruple;
     return other ? second_ : ReferenceSetup{};
   }
@@ -274,9 +274,9 @@ class ReferenceSearch {
     std::vector<Setting> in_quadruple = in_double;
     in_quadruple.push_back(
         {"run.number_type", quoted_text(to_string(NumberType::quadruple_precision))});
-    constexpr double kPatience = 2.0;  // the slowness is no more than a guess
-    const Measurement one = measurer_.with(in_double, kPatience * seconds);
-    const Measurement other = measurer_.with(in_quadruple, kPatience * seconds);
+    constexpr double kMostTimesSlower = 2.0;  // the slowness is no more than a guess
+    const Measurement one = measurer_.with(in_double, kMostTimesSlower * seconds);
+    const Measurement other = measurer_.with(in_quadruple, kMostTimesSlower * seconds);
     if (!one.defined() || !other.defined()) {
       found_.unchecked = one.defined() ? other.why : one.why;
       return;
@@ -301,7 +301,7 @@ class ReferenceSearch {
 ErrorScale error_scale(const Reference& reference) {
   const double size = std::abs(reference.value);
   if (size > kErrorsFromZero * reference.error) return {true, true, size};
-  return {false, reference.error <= kZero * reference.natural, reference.natural};
+  return {false, reference.error <= kRoundingOfUnits * reference.natural, reference.natural};
 }
 
 std::optional<Reference> find_reference(const Variants& variants,

@@ -13,7 +13,7 @@ namespace tomlin {
 struct Reference {
   std::string method;  ///< the scheme that found it
   Resolution resolution = Resolution::tolerance;
-  double knob_value = 0.0;
+  double resolution_value = 0.0;
   double value = 0.0;
   double natural = 1.0;  ///< what has the observable's dimension in the scene's own units
   /// Estimated: the last move when the scheme was tightened, or its difference to the second

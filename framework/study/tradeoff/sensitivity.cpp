@@ -8,17 +8,18 @@
 #include <fmt/format.h>
 
 #include "framework/core/numbers/math.hpp"
+#include "framework/scene/natural_units.hpp"
 
 namespace tomlin {
 namespace {
 
-constexpr double kSizes[] = {1e-12, 1e-9};
-constexpr std::uint64_t kSeeds = 2;   // for each size
-constexpr double kShare = 0.2;        // of the budget
+constexpr double kSizesOfNoise[] = {1e-12, 1e-9};
+constexpr std::uint64_t kRunsOfEachSize = 2;
+constexpr double kShareOfBudget = 0.2;
 constexpr double kMostDigits = 17.0;  // of a double
 constexpr double kLog10 = 2.302585092994046;
-/// A spread beyond so many integration errors is none of them.
-constexpr double kErrors = 10.0;
+/// A spread of more integration errors than this has another cause.
+constexpr double kIntegrationErrors = 10.0;
 
 /// Noise on every body's start.
 Perturbation noise_on(const Scene& scene, double size, std::uint64_t stream) {
@@ -46,7 +47,8 @@ void judge(Sensitivity& found, const Reference& reference, double tolerance) {
   }
   // An error that no tightening makes smaller is no error of the steps.
   const bool of_the_steps = reference.settled || !reference.finest;
-  const bool beyond_errors = !of_the_steps || found.spread > kErrors * found.integration_error;
+  const bool beyond_errors =
+      !of_the_steps || found.spread > kIntegrationErrors * found.integration_error;
   if (scale.resolved && found.spread <= tolerance * scale.size) {
     found.verdict = Sensitivity::Verdict::determined;
   } else if (beyond_errors && found.spread > tolerance * std::abs(reference.value)) {
@@ -55,7 +57,7 @@ void judge(Sensitivity& found, const Reference& reference, double tolerance) {
     found.why = "the reference is not resolved";
   } else {
     found.why = fmt::format("the spread {:.2g} is no larger than ten estimated errors, {:.2g}",
-                            found.spread, kErrors * found.integration_error);
+                            found.spread, kIntegrationErrors * found.integration_error);
   }
 }
 
@@ -66,15 +68,15 @@ Sensitivity find_sensitivity(const Variants& variants, const std::vector<Method>
   Sensitivity found;
   const Scene& scene = variants.scene();
   const Method& method = named(methods, reference.method);
-  const double until = measurer.used() + kShare * measurer.budget();
+  const double until = measurer.used() + kShareOfBudget * measurer.budget();
   found.min = found.max = reference.value;
   found.integration_error = reference.move;
   std::uint64_t stream = 0;
-  for (const double size : kSizes) {
-    for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-      const double disturbed = size * length_scale(scene);
+  for (const double size : kSizesOfNoise) {
+    for (std::uint64_t seed = 0; seed < kRunsOfEachSize; ++seed) {
+      const double disturbed = size * natural_units(scene).length;
       const Measurement run =
-          measurer.with(method.at(reference.knob_value), until - measurer.used(),
+          measurer.with(method.at(reference.resolution_value), until - measurer.used(),
                         noise_on(scene, disturbed, ++stream));
       if (!run.defined()) {
         found.why = run.why;

@@ -20,7 +20,7 @@ constexpr double kFineEnough = 0.01;
 /// A method may be better than the reference by chance, not by more than that.
 constexpr double kErrorsOfReference = 2.0;
 /// A spread beyond this part of the value leaves nothing to recommend a setting for.
-constexpr double kNoDigit = 0.1;
+constexpr double kMostSpread = 0.1;
 constexpr const char* kNotDetermined = "the result is not determined: no digit of it has a meaning";
 
 [[noreturn]] void refuse(const std::string& path, const char* why) {
@@ -151,7 +151,7 @@ class TradeoffStudy {
 
   void recommend() {
     if (!is_determined() &&
-        found_.sensitivity.spread > kNoDigit * std::abs(found_.reference->value)) {
+        found_.sensitivity.spread > kMostSpread * std::abs(found_.reference->value)) {
       found_.why_none = kNotDetermined;
       return;
     }

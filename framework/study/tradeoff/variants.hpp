@@ -26,6 +26,13 @@ class Variants {
   std::shared_ptr<const Scene> with(const std::vector<Setting>& settings) const {
     return document_.read(registry_, settings);
   }
+  /// The scene itself, with nothing but the integrator replaced by this table of a scene. Throws
+  /// InputError.
+  std::shared_ptr<const Scene> with_integrator(const std::string& table) const {
+    auto result = std::make_shared<Scene>(*scene_);
+    result->run.integrator = with({{"run.integrator", table}})->run.integrator;
+    return result;
+  }
 
  private:
   std::shared_ptr<const Scene> scene_;

@@ -18,48 +18,36 @@ namespace {
 /// Part of the tolerance that a measured error may take.
 constexpr double kMargin = 0.8;
 /// Part of the stable step to begin with.
-constexpr double kBelowStable = 0.98;
+constexpr double kPartOfStableStep = 0.98;
 /// Part of the run to begin with where nothing is known to limit the step.
-constexpr double kFirstPart = 0.1;
+constexpr double kLongestPartOfRun = 0.1;
 constexpr double kCoarsestTolerance = 1.0;
 constexpr int kMostPoints = 40;
-/// So many points in a row that are no better than those before: rounding, or chaos.
-constexpr int kPatience = 7;
-/// An error that is this part of the best so far is better.
-constexpr double kBetter = 0.7;
-/// So many points in a row that have moved by less than this part of their error: what is left is
-/// the error of the model or of the numbers.
-constexpr int kAtRest = 3;
-constexpr double kMoved = 0.03;
-/// Points that are fine enough before a method ends: the first may be so by chance.
+/// A method ends after so many points in a row that are no better than those before, because of
+/// rounding or chaos.
+constexpr int kMostIdlePoints = 7;
+/// A point is better where its error is at most this part of the least one so far.
+constexpr double kImprovement = 0.7;
+/// A method ends after so many points in a row whose value has moved by at most this part of their
+/// error, which is then that of the model or of rounding.
+constexpr int kPointsAtRest = 3;
+constexpr double kMoveAtRest = 0.03;
+/// A method ends after so many points that are fine enough: the first may be so by chance.
 constexpr int kMostFineEnough = 2;
 constexpr int kRefinements = 4;
-/// A setting that costs so many times more than one that keeps the tolerance is of no interest.
-constexpr std::uint64_t kCostly = 30;
-constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
-
-/// In so many digits, as it will stand in a scene.
-double rounded(double x, int digits) {
-  const std::string text = fmt::format("{:.{}e}", x, digits - 1);
-  double result = x;
-  std::from_chars(text.data(), text.data() + text.size(), result);
-  return result;
-}
-
-/// Rounds a resolution, which is a step in parts of the run or a tolerance.
-double rounded(const Method& method, double resolution, int digits) {
-  return rounded(resolution / method.unit, digits) * method.unit;
-}
+/// A method ends at a point that costs so many times as much as one that keeps the tolerance.
+constexpr std::uint64_t kMostTimesCheapest = 30;
+constexpr std::size_t kNoPointOfMethod = std::numeric_limits<std::size_t>::max();
 
 double rounded_down(double x) {
-  const double near = rounded(x, 2);
+  const double near = rounded_to_digits(x, 2);
   if (near <= x) return near;
   // One less in the second digit.
   const std::string text = fmt::format("{:.0e}", x);
   double digit = 0.0;
   const std::string unit = "1" + text.substr(text.find('e'));
   std::from_chars(unit.data(), unit.data() + unit.size(), digit);
-  return rounded(near - 0.1 * digit, 2);
+  return rounded_to_digits(near - 0.1 * digit, 2);
 }
 
 TradeoffGap::Kind kind_of(const Measurement& found) {
@@ -115,7 +103,8 @@ class Walk {
     const double until = measurer.used() + seconds;
     double resolution = first;
     double last_seconds = 0.0;
-    for (int k = 0; k < kMostPoints && !done_; ++k, resolution = next_knob(method_, resolution)) {
+    for (int k = 0; k < kMostPoints && !done_;
+         ++k, resolution = next_resolution(method_, resolution)) {
       // Halving a step doubles the work; that a tolerance costs more is only seen by trying.
       const double left = std::min(until - measurer.used(), measurer.left());
       const double expected =
@@ -149,16 +138,17 @@ class Walk {
     ++taken_;
     const double error = tradeoff_.points.back().error;
     fine_ = error <= aim_.fine_enough ? fine_ + 1 : 0;
-    idle_ = error <= kBetter * best_ ? 0 : idle_ + 1;
+    idle_ = error <= kImprovement * best_ ? 0 : idle_ + 1;
     best_ = std::min(best_, error);
-    at_rest_ = taken_ > 1 && std::abs(*found.value - last_) <= kMoved * error ? at_rest_ + 1 : 0;
+    at_rest_ =
+        taken_ > 1 && std::abs(*found.value - last_) <= kMoveAtRest * error ? at_rest_ + 1 : 0;
     last_ = *found.value;
-    done_ = fine_ >= kMostFineEnough || idle_ >= kPatience || at_rest_ >= kAtRest;
-    if (!done_ && found.cost() / kCostly >= least_) {
+    done_ = fine_ >= kMostFineEnough || idle_ >= kMostIdlePoints || at_rest_ >= kPointsAtRest;
+    if (!done_ && found.cost() / kMostTimesCheapest >= least_) {
       done_ = true;
       gap(TradeoffGap::Kind::costly,
           fmt::format("finer than {}: over {} times what keeps the tolerance", at(resolution),
-                      kCostly));
+                      kMostTimesCheapest));
     }
   }
 
@@ -213,8 +203,8 @@ std::vector<std::size_t> points_of(std::size_t method, const std::vector<Tradeof
 
 /// The coarsest point of a method from which on all keep the tolerance, and the one before it.
 struct Bracket {
-  std::size_t coarse = kNone;
-  std::size_t fine = kNone;
+  std::size_t coarse = kNoPointOfMethod;
+  std::size_t fine = kNoPointOfMethod;
 };
 
 Bracket bracket_of(const Aim& aim, std::size_t method, const std::vector<TradeoffPoint>& points) {
@@ -234,7 +224,7 @@ Bracket bracket_of(const Aim& aim, std::size_t method, const std::vector<Tradeof
 /// them apart.
 std::optional<double> between(const Method& method, double coarse, double fine) {
   const double middle =
-      rounded(std::sqrt(coarse / method.unit * (fine / method.unit)), 2) * method.unit;
+      rounded_to_digits(std::sqrt(coarse / method.unit * (fine / method.unit)), 2) * method.unit;
   if (middle >= coarse || middle <= fine) return std::nullopt;
   return middle;
 }
@@ -243,18 +233,19 @@ std::optional<double> between(const Method& method, double coarse, double fine) 
 
 bool Aim::is_met(double error) const { return error + doubt <= kMargin * tolerance; }
 
-double first_knob(const Method& method, double duration) {
+double first_resolution(const Method& method, double duration) {
   if (method.resolution == Resolution::tolerance) return kCoarsestTolerance;
-  const double longest = std::min(kBelowStable * method.stable_step, kFirstPart * duration);
+  const double longest =
+      std::min(kPartOfStableStep * method.stable_step, kLongestPartOfRun * duration);
   return rounded_down(longest / method.unit) * method.unit;
 }
 
-double next_knob(const Method& method, double resolution) {
-  if (method.resolution == Resolution::step) return rounded(method, 0.5 * resolution, 2);
-  const double decade = rounded(resolution, 1);
+double next_resolution(const Method& method, double resolution) {
+  if (method.resolution == Resolution::step) return method.rounded(0.5 * resolution, 2);
+  const double decade = rounded_to_digits(resolution, 1);
   constexpr double kHalfDecade = 0.3;  // 1, 0.3, 0.1, ...: easy to read
   const bool power_of_ten = fmt::format("{:.0e}", decade).front() == '1';
-  return rounded(decade * (power_of_ten ? kHalfDecade : 1.0 / 3.0), 1);
+  return rounded_to_digits(decade * (power_of_ten ? kHalfDecade : 1.0 / 3.0), 1);
 }
 
 void walk(std::size_t index, const std::vector<Method>& methods, double duration, const Aim& aim,
@@ -264,7 +255,7 @@ void walk(std::size_t index, const std::vector<Method>& methods, double duration
     tradeoff.gaps.push_back({TradeoffGap::Kind::refused, method.name, method.refused});
     return;
   }
-  Walk(index, method, aim, tradeoff).go(first_knob(method, duration), seconds, measurer);
+  Walk(index, method, aim, tradeoff).go(first_resolution(method, duration), seconds, measurer);
 }
 
 void refine(const Aim& aim, Measurer& measurer, Tradeoff& tradeoff) {
@@ -274,7 +265,7 @@ void refine(const Aim& aim, Measurer& measurer, Tradeoff& tradeoff) {
     const std::uint64_t least = tradeoff.points[best].cost();
     for (std::size_t r = 0; r < tradeoff.methods.size(); ++r) {
       const Bracket bracket = bracket_of(aim, r, tradeoff.points);
-      if (bracket.coarse == kNone || bracket.fine == kNone) continue;
+      if (bracket.coarse == kNoPointOfMethod || bracket.fine == kNoPointOfMethod) continue;
       // A point between the two costs more than the coarser one.
       if (tradeoff.points[bracket.coarse].cost() >= least) continue;
       const auto middle = between(tradeoff.methods[r], tradeoff.points[bracket.coarse].resolution,
@@ -292,7 +283,7 @@ std::size_t cheapest_point(const Aim& aim, const std::vector<TradeoffPoint>& poi
   for (const TradeoffPoint& point : points) methods = std::max(methods, point.method + 1);
   for (std::size_t r = 0; r < methods; ++r) {
     const std::size_t last = bracket_of(aim, r, points).fine;
-    if (last == kNone) continue;
+    if (last == kNoPointOfMethod) continue;
     for (const std::size_t p : points_of(r, points)) {
       if (is_coarser(points[p], points[last])) continue;
       if (best == points.size() || points[p].cost() < points[best].cost()) best = p;

@@ -16,14 +16,14 @@ struct Aim {
   /// Absolute, of the reference: what a point's error may be wrong by.
   double doubt = 0.0;
 
-  /// With a margin for what the reference itself may be wrong by, and for other machines.
+  /// It has a margin for the error of the reference itself, and for other machines.
   bool is_met(double error) const;
 };
 
 /// The resolution's values that are tried first: steps from just below the stability limit
 /// downwards by halves, tolerances from 1 by half decades, in two digits.
-double first_knob(const Method& method, double duration);
-double next_knob(const Method& method, double resolution);
+double first_resolution(const Method& method, double duration);
+double next_resolution(const Method& method, double resolution);
 
 /// Takes one method from coarse to fine and adds its points and what they leave out.
 void walk(std::size_t index, const std::vector<Method>& methods, double duration, const Aim& aim,

@@ -404,7 +404,8 @@ TEST(AccuracyOf, ADamagedChoiceIsNone) {
   };
   const std::atomic<bool> stop = true;
   for (const std::string& text :
-       {std::string("x"), std::string("{ type = \"nothing\" }\0\0", 22), std::string(100, '\0')}) {
+       {std::string("x"), std::string(100, '\0'),
+        std::string("\x14\0\0\0\0\0\0\0{ type = \"nothing\" }", 28) + std::string(24, '\0')}) {
     store.all["integrator"] = bytes(text);
     EXPECT_TRUE(
         choose_integrator(scene, test::standard(), &stop, kMostPilotWork, &store).interrupted);

@@ -15,7 +15,7 @@
 #include "framework/core/text/fault.hpp"
 #include "framework/model/final_state.hpp"
 #include "framework/run/results/observables.hpp"
-#include "framework/study/sweep/line_end.hpp"
+#include "framework/study/sweep/line_run.hpp"
 #include "framework/study/sweep/point_run.hpp"
 #include "framework/study/sweep/runner.hpp"
 #include "framework/study/sweep/sweep_plan.hpp"

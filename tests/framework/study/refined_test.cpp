@@ -16,7 +16,6 @@
 #include "framework/run/results/observables.hpp"
 #include "framework/study/sweep/bisection.hpp"
 #include "framework/study/sweep/files.hpp"
-#include "framework/study/sweep/row_order.hpp"
 #include "framework/study/sweep/runner.hpp"
 #include "framework/study/sweep/sweep_journal.hpp"
 #include "tests/framework/output/temporary_folder.hpp"

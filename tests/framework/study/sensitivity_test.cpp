@@ -29,7 +29,7 @@ Sensitivity judged(double move, double tolerance, bool settled = true) {
   const Variants variants(scene, standard());
   Reference reference;
   reference.method = "dopri5";
-  reference.knob_value = kFine;
+  reference.resolution_value = kFine;
   reference.value = observable(run(scene), kForce).value();
   reference.move = move;
   reference.settled = settled;

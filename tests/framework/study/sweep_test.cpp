@@ -3,11 +3,13 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <fstream>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <thread>
@@ -16,11 +18,11 @@
 #include <gtest/gtest.h>
 
 #include "framework/core/text/fault.hpp"
+#include "framework/output/store_file.hpp"
 #include "framework/output/sweep_files.hpp"
 #include "framework/run/results/observables.hpp"
 #include "framework/study/sweep/files.hpp"
 #include "framework/study/sweep/part.hpp"
-#include "framework/study/sweep/point_checkpoint.hpp"
 #include "framework/study/sweep/point_run.hpp"
 #include "framework/study/sweep/runner.hpp"
 #include "framework/study/sweep/sweep_journal.hpp"
@@ -119,6 +121,17 @@ class RowsInMemory : public SweepRows {
  private:
   std::mutex mutex_;
 };
+
+/// The row of a point, run by itself; nothing when it was stopped.
+std::optional<SweepRow> run_point(const SweepPlan& plan, std::size_t point,
+                                  const std::atomic<bool>* stop = nullptr,
+                                  const std::filesystem::path& checkpoints = {}) {
+  try {
+    return PointRun(plan, point, stop, checkpoints).run();
+  } catch (const InputError& error) {
+    return row_of_refused(plan, error);
+  }
+}
 
 std::vector<std::uint64_t> bits_of(const std::vector<double>& numbers) {
   std::vector<std::uint64_t> bits;
@@ -568,18 +581,18 @@ TEST(Sweep, WhatWasDoneOfAPointIsNotDoneAgain) {
     });
     EXPECT_FALSE(run_point(plan, 0, &stop, folder.path()));
     stopper.join();
-    PointCheckpoint kept(folder / "0.store", fmt::format("sweep {:x}, point 0", plan.identity()),
-                         60.0);
-    ASSERT_FALSE(kept.state().empty());
+    const auto kept = [&](int point) {
+      const std::string owner = fmt::format("sweep {:x}, point {}", plan.identity(), point);
+      return StoreFile(folder / "0.store", owner, 60.0).kept("run");
+    };
+    const std::vector<std::byte> state = kept(0);
+    ASSERT_FALSE(state.empty());
     RunOptions options;
-    options.resume_from = &kept.state();
+    options.resume_from = &state;
     options.observables = plan.paths();
     times.push_back(Engine(plan.scene_at(0), options).time());
     // It is of no use to another point.
-    EXPECT_TRUE(PointCheckpoint(folder / "0.store",
-                                fmt::format("sweep {:x}, point 1", plan.identity()), 60.0)
-                    .state()
-                    .empty());
+    EXPECT_TRUE(kept(1).empty());
   }
   EXPECT_GT(times[0], 0.0);
   EXPECT_GT(times[1], times[0]);
