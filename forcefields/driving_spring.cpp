@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include "framework/core/elements/site_force.hpp"
+#include "framework/core/records/facets.hpp"
 #include "framework/core/records/force.hpp"
-#include "framework/core/records/pulled_end.hpp"
 #include "framework/core/text/axis_names.hpp"
 #include "framework/core/text/fault_code.hpp"
 
@@ -52,7 +52,7 @@ std::vector<Complaint> complaints(const Description& d, const SceneOutline& scen
 
 /// Either kind of bound spring, with a support that follows from the time alone.
 template <class Base, class Real, int D>
-class Driven : public Base, public PulledEnd {
+class Driven : public Base, public Control, public PulledEnd {
  public:
   template <class... Arguments>
   Driven(const Description& description, const Binding<Real>& binding, Arguments&&... arguments)

@@ -48,7 +48,7 @@ bool is_noisy(const MemoryDampingDescription& d) {
 
 /// An operator on velocities and internal variables together, with noise or without.
 template <class Real, int D>
-class MemoryForce : public OwnStateForce<MemoryDamping, Real, D> {
+class MemoryForce : public OwnStateForce<MemoryDamping, Real, D>, public ExactFlow<Real> {
   using Base = OwnStateForce<MemoryDamping, Real, D>;
 
  public:

@@ -17,7 +17,9 @@ namespace tomlin {
 namespace {
 
 template <class Real>
-class BoundNoseHooverChain : public BoundForce<Real> {
+class BoundNoseHooverChain : public BoundForce<Real>,
+                             public InternalVariables<Real>,
+                             public ExactFlow<Real> {
  public:
   BoundNoseHooverChain(const NoseHooverChainDescription& d, const Binding<Real>& binding)
       : table_(kernels::NoseHooverChain.on<Real>(binding.set)),

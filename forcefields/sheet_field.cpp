@@ -12,7 +12,7 @@
 #include "framework/core/elements/neighbour_list.hpp"
 #include "framework/core/elements/shared_sites.hpp"
 #include "framework/core/elements/site_force.hpp"
-#include "framework/core/records/shares_work.hpp"
+#include "framework/core/records/facets.hpp"
 #include "framework/core/text/axis_names.hpp"
 
 TOMLIN_DECLARE_KERNELS(SheetField)
@@ -76,7 +76,9 @@ std::shared_ptr<const SheetTable> table_of(const Description& d, const BoundBody
 }
 
 template <class Real>
-class SheetForce : public ParticleForce<SheetField, Real, 3>, public SharesWork {
+class SheetForce : public ParticleForce<SheetField, Real, 3>,
+                   public Diagnosis<Real>,
+                   public SharesWork {
   using Base = ParticleForce<SheetField, Real, 3>;
 
  public:

@@ -69,7 +69,7 @@ void add_built(Explanation& explanation, Model& model) {
     const auto add_note = [&force](const std::string& more) {
       if (!more.empty()) force.note += (force.note.empty() ? "" : "; ") + more;
     };
-    add_note(from.bound->note());
+    add_note(from.diagnosis->note());
     if (from.given->active) {
       const double time = scene_unit(scene.units, dimension::time);
       const auto& until = from.given->active->until;
@@ -146,8 +146,7 @@ void add_parts(Explanation& explanation, const Model& model) {
 void count_neighbours(Explanation& explanation, Model& model) {
   std::vector<const CountsNeighbours*> lists;
   for (const Model::Force& force : model.forces()) {
-    const BoundForce<double>& bound = force.switched ? force.switched->inner() : *force.bound;
-    lists.push_back(dynamic_cast<const CountsNeighbours*>(&bound));
+    lists.push_back(dynamic_cast<const CountsNeighbours*>(force.bound.get()));
   }
   if (std::all_of(lists.begin(), lists.end(), [](const auto* list) { return list == nullptr; }))
     return;

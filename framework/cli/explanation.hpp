@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "framework/core/records/neighbour_count.hpp"
+#include "framework/core/records/facets.hpp"
 #include "framework/core/records/traits.hpp"
 #include "framework/core/text/warning.hpp"
 #include "framework/model/scales.hpp"

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/records/shares_work.hpp"
+#include "framework/core/records/facets.hpp"
 #include "framework/model/plugin_code.hpp"
 
 namespace tomlin {
@@ -57,8 +57,8 @@ std::string why_left_out(const SceneForce& from, const Traits& traits,
 template <class Real>
 std::string why_no_driver(const AssembledForce<Real>& force, bool quasistatic) {
   if (force.traits.internal) return "it is internal to what it acts on, and drives nothing";
-  if (force.traits.dissipative || force.bound->is_friction()) return "it is friction";
-  if (force.bound->own_count() > 0) return "it has internal variables";
+  if (force.traits.dissipative || force.friction->is_friction()) return "it is friction";
+  if (force.variables->own_count() > 0) return "it has internal variables";
   const bool by_velocity = !(force.traits.conservative && force.traits.depends_on_time);
   if (quasistatic && by_velocity) {
     return "its work follows from velocities, and quasistatic dynamics have none";
@@ -86,10 +86,10 @@ std::string why_always_active(const AssembledForce<Real>& force, const AssemblyP
   if (!(force.given->active->from < run.duration)) {
     return "it would become active at the end of the run, or later";
   }
-  if (force.bound->waits_for() != nullptr) {
+  if (force.control->waits_for() != nullptr) {
     return "its driver reverses, and does so at all times";
   }
-  const PulledEnd* const end = pulled_end_of(force.bound.get());
+  const PulledEnd* const end = force.pulled_end;
   const bool follows = end != nullptr && force.given->active->from > 0.0;
   if (follows && end->is_of_each_particle() && end->starts_at_point()) {
     return "where each particle's support starts is known at the start of the run only: give start";
@@ -105,11 +105,11 @@ std::string why_always_active(const AssembledForce<Real>& force, const AssemblyP
 template <class Real>
 bool taken_as_operator(const AssembledForce<Real>& force, const AssemblyPlan& plan,
                        const std::vector<AssembledBody<Real>>& bodies) {
-  if (plan.quasistatic) return force.bound->is_friction();
+  if (plan.quasistatic) return force.friction->is_friction();
   if (plan.inertial && !plan.splits_friction) return false;
   Flow<Real> unused;
-  const bool flows = plan.inertial && force.bound->flow(unused);
-  if (!flows && !force.bound->is_friction()) return false;
+  const bool flows = plan.inertial && force.exact_flow->flow(unused);
+  if (!flows && !force.friction->is_friction()) return false;
   return std::none_of(force.bodies.begin(), force.bodies.end(), [&](std::size_t b) {
     return bodies[b].bound.slot.mapped && !bodies[b].bound.slot.rigid;
   });
@@ -146,7 +146,41 @@ std::optional<Complaint> why_no_thermostat(const SceneForce& from,
   return std::nullopt;
 }
 
+/// How many numbers of the run's state events change of a force, its switch included.
+template <class Real>
+std::size_t control_count_of(const AssembledForce<Real>& force) {
+  const std::size_t own = force.switched ? ForceSwitch<Real>::kCount : 0;
+  return own + force.control->control_count();
+}
+
 }  // namespace
+
+template <class Real>
+void AssembledForce<Real>::bind(std::unique_ptr<BoundForce<Real>> force) {
+  bound = std::move(force);
+  curvature = facet_of<Curvature<Real>>(*bound);
+  friction = facet_of<FrictionCoefficients>(*bound);
+  exact_flow = facet_of<ExactFlow<Real>>(*bound);
+  variables = facet_of<InternalVariables<Real>>(*bound);
+  driving = facet_of<Driving>(*bound);
+  control = facet_of<Control>(*bound);
+  diagnosis = facet_of<Diagnosis<Real>>(*bound);
+  pulled_end = dynamic_cast<PulledEnd*>(bound.get());
+}
+
+template <class Real>
+bool AssembledForce<Real>::heat(std::ptrdiff_t rate, Operation<Real>& operation) const {
+  if (!bound->heat(rate, operation)) return false;
+  if (switched) operation = switched->gated(operation, static_cast<std::size_t>(rate));
+  return true;
+}
+
+template <class Real>
+bool AssembledForce<Real>::flow(Flow<Real>& flow) const {
+  if (!exact_flow->flow(flow)) return false;
+  if (switched) flow = switched->gated(flow);
+  return true;
+}
 
 template <class Real>
 AssembledForces<Real>::AssembledForces(const AssemblyPlan& plan,
@@ -186,8 +220,8 @@ AssembledForces<Real>::AssembledForces(const AssemblyPlan& plan,
     force.traits = traits;
     force.bodies = from.bodies;
     try {
-      force.bound = bound_by(from, "force",
-                             [&] { return something(factory(from.description.get(), binding)); });
+      force.bind(bound_by(from, "force",
+                          [&] { return something(factory(from.description.get(), binding)); }));
     } catch (const BindError& error) {
       faults.push_back(fault_of(from, error.complaint));
       continue;
@@ -195,14 +229,11 @@ AssembledForces<Real>::AssembledForces(const AssemblyPlan& plan,
     const std::string& library = from.record->library;
     // An exception of a plugin is caught in the thread of the run only.
     if (plan.team != nullptr && library.empty()) {
-      auto* const sharing = dynamic_cast<SharesWork*>(force.bound.get());
-      if (sharing != nullptr) sharing->share_with(*plan.team);
+      facet_of<SharesWork>(*force.bound)->share_with(*plan.team);
     }
     if (from.active) {
-      auto switched = std::make_unique<SwitchedForce<Real>>(std::move(force.bound),
-                                                            from.active->from, from.active->until);
-      force.switched = switched.get();
-      force.bound = std::move(switched);
+      force.switched =
+          std::make_unique<ForceSwitch<Real>>(*force.bound, from.active->from, from.active->until);
     }
     force.is_operator = taken_as_operator(force, plan, bodies);
     if (std::string why = why_always_active(force, plan); !why.empty()) {
@@ -245,7 +276,7 @@ void AssembledForces<Real>::rebase(const Origin& origin) {
 template <class Real>
 void AssembledForces<Real>::declare_controls(StateLayout& layout) const {
   for (const AssembledForce<Real>& force : all) {
-    const std::size_t count = force.bound->control_count();
+    const std::size_t count = control_count_of(force);
     if (count > 0) layout.add_reals("control." + force.name, count);
   }
 }
@@ -253,16 +284,26 @@ void AssembledForces<Real>::declare_controls(StateLayout& layout) const {
 template <class Real>
 void AssembledForces<Real>::attach_controls(RunState& state) {
   for (const AssembledForce<Real>& force : all) {
-    if (force.bound->control_count() == 0) continue;
-    force.bound->attach_control(state.reals("control." + force.name));
+    if (control_count_of(force) == 0) continue;
+    double* control = state.reals("control." + force.name);
+    if (force.switched) {
+      force.switched->attach_control(control);
+      control += ForceSwitch<Real>::kCount;
+    }
+    if (force.control->control_count() > 0) force.control->attach_control(control);
   }
 }
 
 template <class Real>
 void AssembledForces<Real>::start_controls() {
-  for (const AssembledForce<Real>& force : all) force.bound->start_control();
+  for (const AssembledForce<Real>& force : all) {
+    force.control->start_control();
+    if (force.switched) force.switched->start_control();
+  }
 }
 
+template struct AssembledForce<double>;
+template struct AssembledForce<Quad>;
 template class AssembledForces<double>;
 template class AssembledForces<Quad>;
 

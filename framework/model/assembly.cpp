@@ -7,7 +7,7 @@
 #include "framework/core/numbers/normal_numbers.hpp"
 #include "framework/core/numbers/random.hpp"
 #include "framework/core/numbers/sum.hpp"
-#include "framework/core/records/pulled_end.hpp"
+#include "framework/core/records/facets.hpp"
 
 namespace tomlin {
 
@@ -214,20 +214,24 @@ template <class Real>
 void Assembly<Real>::assign_rates() {
   std::size_t own = prescribed_.own_count();
   for (Force& force : forces_.all) {
-    if (force.bound->own_count() == 0) continue;
-    force.bound->place_own(own);
-    own += force.bound->own_count();
+    const std::size_t count = force.variables->own_count();
+    if (count == 0) continue;
+    force.variables->place_own(own);
+    if (force.switched) force.switched->place_own(own, count);
+    own += count;
   }
   std::size_t rates = padded(own);
   for (Force& force : forces_.all) {
-    if (force.bound->rate_count() == 0 && !force.driver) continue;
+    const std::size_t count = force.driving->rate_count();
+    if (count == 0 && !force.driver) continue;
     force.first_rate = static_cast<std::ptrdiff_t>(rates);
     if (force.driver) {
       force.driver->place_rates(force.first_rate);
       rates += static_cast<std::size_t>(dimension()) + 1;
     } else {
-      force.bound->place_rates(force.first_rate);
-      rates += force.bound->rate_count();
+      force.driving->place_rates(force.first_rate);
+      if (force.switched) force.switched->place_rates(rates, count);
+      rates += count;
     }
     if (force.driver || force.traits.does_work) {
       drivers_.push_back({force.name, force.first_rate, force.drive()});
@@ -237,7 +241,7 @@ void Assembly<Real>::assign_rates() {
   if (plan_.ledger) {
     for (Force& force : forces_.all) {
       Operation<Real> unused;
-      if (force.is_operator || force.driver || !force.bound->heat(0, unused)) continue;
+      if (force.is_operator || force.driver || !force.heat(0, unused)) continue;
       force.heat_rate = static_cast<std::ptrdiff_t>(rates++);
     }
     if (!plan_.inertial || plan_.splits_friction) {
@@ -286,7 +290,7 @@ void Assembly<Real>::start(Real* position, Real* velocity, Real* integrals,
   }
   for (std::size_t k = 0; k < system_.view.rates; ++k) integrals[k] = Real(0.0);
   for (const Force& force : forces()) {
-    if (force.bound->own_count() > 0) force.bound->start_own(integrals);
+    if (force.variables->own_count() > 0) force.variables->start_own(integrals);
   }
   if (from != nullptr) start_supports(*from, integrals);
 }
@@ -295,7 +299,7 @@ template <class Real>
 void Assembly<Real>::start_supports(const FinalState& from, Real* own) {
   for (std::size_t k = 0; k < from.own.size(); ++k) own[k] = static_cast<Real>(from.own[k]);
   for (const Force& force : forces()) {
-    auto* const end = pulled_end_of(force.bound.get());
+    PulledEnd* const end = force.pulled_end;
     const FinalState::Support* const support = from.support(force.name);
     if (end == nullptr || support == nullptr) continue;
     std::vector<DoubleDouble> travel;
@@ -326,7 +330,7 @@ void Assembly<Real>::write_numbers(FinalState& state) const {
 template <class Real>
 void Assembly<Real>::write_supports(const DoubleDouble& time, FinalState& state) const {
   for (const Force& force : forces()) {
-    const PulledEnd* const end = pulled_end_of(force.bound.get());
+    const PulledEnd* const end = force.pulled_end;
     if (end == nullptr) continue;
     FinalState::Support& support = state.supports.emplace_back();
     support.name = force.name;

@@ -90,7 +90,7 @@ void CoordinateArrays<Real>::bound_moves(const std::vector<AssembledForce<Real>>
                                          const std::vector<AssembledBody<Real>>& bodies,
                                          int dimension) {
   for (const AssembledForce<Real>& force : forces) {
-    const double shortest = force.bound->shortest_bond();
+    const double shortest = force.diagnosis->shortest_bond();
     if (!(shortest > 0.0)) continue;
     for (const std::size_t b : force.bodies) {
       const BodySlot<Real>& slot = bodies[b].bound.slot;

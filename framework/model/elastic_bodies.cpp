@@ -141,8 +141,8 @@ class Start {
     here.force = force_.data();
     return here;
   }
-  void add(BoundForce<double>& force) {
-    for (const Pass<double>& pass : force.passes()) {
+  void add(const Assembly<double>::Force& force) {
+    for (const Pass<double>& pass : force.own_passes()) {
       if (pass.add != nullptr) pass.add(pass.arguments, stage());
     }
   }
@@ -270,7 +270,7 @@ std::vector<ElasticBody> elastic_bodies(Assembly<double>& assembly, std::string&
   std::vector<ElasticBody> all;
   Start start(assembly);
   for (const auto& force : assembly.forces()) {
-    if (is_bonds(assembly, force)) start.add(*force.bound);
+    if (is_bonds(assembly, force)) start.add(force);
   }
   for (const Body& body : assembly.bodies()) {
     const BodySlot<double>& slot = body.bound.slot;
@@ -297,7 +297,7 @@ std::vector<ElasticBody> elastic_bodies(Assembly<double>& assembly, std::string&
       for (std::size_t i = 0; i < slot.count; ++i) elastic.shape.push_back(body.arms[i][d]);
     }
     Coefficients coefficients(body.bound.index, slot.count);
-    for (const auto& force : assembly.forces()) force.bound->friction(coefficients);
+    for (const auto& force : assembly.forces()) force.friction->friction(coefficients);
     elastic.friction_rate = coefficients.values.front() / elastic.mass.front();
     for (std::size_t i = 0; i < slot.count; ++i) {
       const double rate = coefficients.values[i] / elastic.mass[i];
@@ -310,7 +310,7 @@ std::vector<ElasticBody> elastic_bodies(Assembly<double>& assembly, std::string&
     if (bonded) {
       BondMatrix matrix(body.bound.index, slot.count, elastic.axes);
       for (const auto& force : assembly.forces()) {
-        if (bonds_it(force)) force.bound->hessian(start.stage(), matrix);
+        if (bonds_it(force)) force.curvature->hessian(start.stage(), matrix);
       }
       fault = find_modes(body, std::move(matrix.values), start.force(), elastic);
       if (!fault.empty()) return {};

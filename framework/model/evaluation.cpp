@@ -79,7 +79,7 @@ Evaluation<Real>::Evaluation(const AssemblyPlan& plan, AssembledBodies<Real>& bo
   if (dimension == 1 && bodies.all.size() == 1 && view.dofs == kGroup && view.own_count == 0 &&
       view.used_rates <= kGroup && !bodies.all.front().bound.slot.mapped && plan.inertial &&
       !plan.ledger) {
-    add_point_forces(passes, forces, view);
+    add_point_forces(passes, view);
   }
   view.operations = operations_.data();
   view.operation_count = operations_.size();
@@ -176,7 +176,7 @@ void Evaluation<Real>::add_heats(const AssemblyPlan& plan, const AssembledBodies
   for (const AssembledForce<Real>& force : forces) {
     Operation<Real> heat;
     if (force.driver) heat = force.driver->power();
-    if (force.driver || (force.heat_rate != kNoRate && force.bound->heat(force.heat_rate, heat))) {
+    if (force.driver || (force.heat_rate != kNoRate && force.heat(force.heat_rate, heat))) {
       plan.inertial ? add_call(heat, lane_call_of(heat)) : drifted_.heats.push_back(heat);
     }
   }
@@ -196,22 +196,13 @@ void Evaluation<Real>::add_heats(const AssemblyPlan& plan, const AssembledBodies
 /// A single particle on a line has kernels that pass numbers in registers.
 template <class Real>
 void Evaluation<Real>::add_point_forces(const std::vector<Pass<Real>>& passes,
-                                        const std::vector<AssembledForce<Real>>& forces,
                                         SystemView<Real>& view) {
-  std::vector<std::pair<const void*, const AssembledForce<Real>*>> owners;  // of arguments
-  for (const AssembledForce<Real>& force : forces) {
-    for (const Pass<Real>& own : force.passes()) owners.emplace_back(own.arguments, &force);
-  }
   for (const Pass<Real>& pass : passes) {
-    for (const auto& [arguments, force] : owners) {
-      if (arguments != pass.arguments) continue;
-      PointForce<Real> point;
-      if (force->driver || !force->bound->point(point)) {
-        point_forces_.clear();
-        return;
-      }
-      point_forces_.push_back(point);
+    if (pass.point.run == nullptr) {
+      point_forces_.clear();
+      return;
     }
+    point_forces_.push_back(pass.point);
   }
   view.point_forces = point_forces_.data();
   view.point_force_count = point_forces_.size();

@@ -81,8 +81,7 @@ class Evaluation {
   void add_heats(const AssemblyPlan& plan, const AssembledBodies<Real>& bodies,
                  const std::vector<AssembledForce<Real>>& forces, FrictionMatrix<Real>& friction,
                  const SystemView<Real>& view);
-  void add_point_forces(const std::vector<Pass<Real>>& passes,
-                        const std::vector<AssembledForce<Real>>& forces, SystemView<Real>& view);
+  void add_point_forces(const std::vector<Pass<Real>>& passes, SystemView<Real>& view);
   void add_call(const Operation<Real>& operation, LaneCall lanes = {});
   void add_rigid(Kernel<Real> kernel, const AssembledBodies<Real>& bodies, std::size_t k,
                  Kernel<double> over_lanes, bool set);

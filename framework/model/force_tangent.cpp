@@ -137,9 +137,9 @@ std::string ForceTangent::first_unknown() const {
     const auto because = [&](const char* why) {
       return fmt::format("the force \"{}\" {}", force.name, why);
     };
-    if (force.bound->own_count() > 0) return because("has internal variables");
+    if (force.variables->own_count() > 0) return because("has internal variables");
     if (traits.stochastic) return because("is stochastic");
-    if (force.bound->is_friction()) continue;
+    if (force.friction->is_friction()) continue;
     if (traits.depends_on_velocity)
       return because("depends on velocity and is not linear friction");
     if (!traits.conservative) return because("is not the gradient of an energy");
@@ -202,8 +202,8 @@ bool ForceTangent::find_elements(Finder& finder) {
   stage.mapped_position = stage.mapped_velocity = stage.mapped_force = mapped.data();
   for (const auto& force : assembly_.forces()) {
     const std::size_t before = finder.elements;
-    force.bound->hessian(stage, finder);
-    const bool acts = !force.bound->is_friction() && !force.bound->passes().empty();
+    force.curvature->hessian(stage, finder);
+    const bool acts = !force.friction->is_friction() && !force.bound->passes().empty();
     if (acts && finder.elements == before) {
       unknown_ = fmt::format("the force \"{}\" gives no second derivatives", force.name);
       return false;
@@ -369,8 +369,8 @@ void ForceTangent::linearise(const double* position, const double* velocity,
   }
   Sink sink(*this);
   for (const auto& force : assembly_.forces()) {
-    force.bound->hessian(here, sink);
-    force.bound->friction(sink);
+    force.curvature->hessian(here, sink);
+    force.friction->friction(sink);
   }
   for (const auto& body : assembly_.bodies()) {
     if (turns(body)) turn_forces(body, velocity);

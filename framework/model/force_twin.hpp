@@ -98,11 +98,10 @@ class ForceTwin {
     stop_rotors<Real>(assembly_.bodies(), velocity_.data());
     assembly_.start_controls();
     assembly_.rebase(origin_);
-    has_heat_ = bound().heat(static_cast<std::ptrdiff_t>(heat_rate_), heat_);
+    has_heat_ = force().heat(static_cast<std::ptrdiff_t>(heat_rate_), heat_);
   }
 
   const SystemView<Real>& view() const { return assembly_.system().view; }
-  BoundForce<Real>& bound() const { return *assembly_.forces().front().bound; }
   const typename Assembly<Real>::Force& force() const { return assembly_.forces().front(); }
   const typename Assembly<Real>::Body& body(std::size_t b) const { return assembly_.bodies()[b]; }
   const Origin& origin() const { return origin_; }
@@ -131,7 +130,7 @@ class ForceTwin {
     }
   }
   /// After evaluate(): rigid bodies place their particles in it.
-  Real energy() const { return bound().energy(stage()); }
+  Real energy() const { return force().bound->energy(stage()); }
   /// The power that the force takes out, by its own kernel; none without one.
   std::optional<Real> heat() {
     if (!has_heat_) return std::nullopt;

@@ -58,7 +58,7 @@ bool is_centred(const FrictionArguments<Real>& arguments) {
 template <class Real>
 bool is_friction_at_times(const AssembledForce<Real>& force) {
   Flow<Real> unused;
-  return force.switched != nullptr && force.is_operator && !force.switched->inner().flow(unused);
+  return force.switched != nullptr && force.is_operator && !force.exact_flow->flow(unused);
 }
 
 bool any_positive(const std::vector<double>& coefficients) {
@@ -76,13 +76,13 @@ void FrictionMatrix<Real>::lay(const AssemblyPlan& plan, std::vector<AssembledBo
   begin(bodies);
   collect(plan, forces);
   lay_bodies(plan, bodies, inverse_mass);
-  std::vector<SwitchedForce<Real>*> switched(friction_.size(), nullptr);
+  std::vector<ForceSwitch<Real>*> switched(friction_.size(), nullptr);
   for (const AssembledForce<Real>& force : forces) {
     if (!is_friction_at_times(force)) continue;
     begin(bodies);
     collect(force);
     lay_bodies(plan, bodies, inverse_mass);
-    switched.resize(friction_.size(), force.switched);
+    switched.resize(friction_.size(), force.switched.get());
   }
   if (!faults_.empty()) throw InputError(std::move(faults_));
   if (!plan.inertial) {
@@ -141,7 +141,7 @@ void FrictionMatrix<Real>::collect(const AssemblyPlan& plan,
   for (const AssembledForce<Real>& force : forces) {
     if (!force.is_operator || is_friction_at_times(force)) continue;
     Flow<Real> flow;
-    if (plan.inertial && force.bound->flow(flow)) {
+    if (plan.inertial && force.flow(flow)) {
       flow.key = key_of(plan, force);
       flows_.push_back(flow);
       continue;
@@ -153,7 +153,7 @@ void FrictionMatrix<Real>::collect(const AssemblyPlan& plan,
 template <class Real>
 void FrictionMatrix<Real>::collect(const AssembledForce<Real>& force) {
   CoefficientSink sink(coefficients_, warmth_);
-  force.bound->friction(sink);
+  force.friction->friction(sink);
   for (const std::size_t b : force.bodies) {
     if (force.traits.stochastic) thermostats_[b] = &force;
   }

@@ -9,7 +9,7 @@
 
 #include "framework/core/elements/kernel_tables.hpp"
 #include "framework/core/numbers/rotation_vector.hpp"
-#include "framework/core/records/pulled_end.hpp"
+#include "framework/core/records/facets.hpp"
 #include "framework/model/plugin_code.hpp"
 #include "framework/model/scheme_checks.hpp"
 
@@ -233,9 +233,9 @@ std::vector<std::string> Model::structure() const {
   parts.push_back(
       fmt::format("{} numbers of prescribed motions", assembly_.prescribed().own_count()));
   for (const Force& force : forces()) {
-    if (force.bound->own_count() == 0) continue;
-    parts.push_back(
-        fmt::format("force {}: {} internal variables", force.name, force.bound->own_count()));
+    const std::size_t count = force.variables->own_count();
+    if (count == 0) continue;
+    parts.push_back(fmt::format("force {}: {} internal variables", force.name, count));
   }
   return parts;
 }
@@ -256,7 +256,7 @@ void Model::require_same_parts(const FinalState& from) const {
       refuse("force." + force.name + ".active", "its times count from the start of the run");
     }
     if (force.drive() == nullptr || !force.bound->depends_on_time()) continue;
-    if (pulled_end_of(force.bound.get()) != nullptr) continue;
+    if (force.pulled_end != nullptr) continue;
     refuse("force." + force.name, "this driver follows from the time, which counts from 0 again");
   }
 }
@@ -296,7 +296,7 @@ double Model::energy_of(const Force& force, const DoubleDouble& time) {
 /// The support of a driver that has become active moves from here on: from where the spring has
 /// no force, unless its position is given.
 void Model::set_out(const Force& force, const DoubleDouble& time) {
-  PulledEnd* const end = pulled_end_of(force.bound.get());
+  PulledEnd* const end = force.pulled_end;
   if (end == nullptr || force.first_rate == kNoRate) return;
   const auto axes = static_cast<std::size_t>(dimension());
   std::vector<DoubleDouble> travel(axes);

@@ -51,7 +51,7 @@ double shortest_length(const Model& model) {
   const auto consider = [&](double length) {
     if (length > 0.0 && (shortest == 0.0 || length < shortest)) shortest = length;
   };
-  for (const Model::Force& force : model.forces()) consider(force.bound->shortest_bond());
+  for (const Model::Force& force : model.forces()) consider(force.diagnosis->shortest_bond());
   for (const SceneForce& force : model.scene().forces) {
     for (int axis = 0; axis < model.dimension(); ++axis) {
       consider(force.record->period(force.description.get(), axis));

@@ -74,7 +74,7 @@ Damping damping_of(const Scales& scales) {
 /// The bound on the slope of a friction over the mass that it damps: of rigid bodies the mean of
 /// their particles.
 double rate_at_rest_of(const Model& model, const Model::Force& force) {
-  const double bound = force.bound->friction_bound();
+  const double bound = force.friction->friction_bound();
   double rate = 0.0;
   if (!(bound > 0.0) || !model.system().view.inertial) return rate;
   for (const std::size_t b : force.bodies) {

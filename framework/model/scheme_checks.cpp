@@ -14,12 +14,12 @@ namespace {
 
 using Force = Assembly<double>::Force;
 
-bool is_linear_friction(const Force& force) { return force.bound->is_friction(); }
+bool is_linear_friction(const Force& force) { return force.friction->is_friction(); }
 
 /// An operator of its own.
 bool has_flow(const Force& force) {
   Flow<double> flow;
-  return force.bound->flow(flow);
+  return force.exact_flow->flow(flow);
 }
 
 bool depends_on_velocity_otherwise(const Force& force) {
@@ -67,7 +67,7 @@ class SchemeChecks {
   }
 
   void refuse_internal_variables(const Force& force) {
-    if (force.bound->own_count() == 0) return;
+    if (force.variables->own_count() == 0) return;
     refuse(FaultCode::integrator_unsuitable,
            "does not advance the variables of the force \"" + force.name + "\"", any_scene_);
   }
@@ -269,7 +269,7 @@ class SchemeChecks {
       const Traits& traits = force.traits;
       const bool has_power = traits.conservative || traits.does_work ||
                              traits.depends_on_velocity || is_linear_friction(force);
-      if (has_power || force.is_operator || force.bound->own_count() > 0) continue;
+      if (has_power || force.is_operator || force.variables->own_count() > 0) continue;
       refuse(FaultCode::integrator_order_reduction,
              "falls to first order in the power of the force \"" + force.name +
                  "\", which is no gradient, and the ledger would not close",

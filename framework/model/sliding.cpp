@@ -111,7 +111,7 @@ class Pull {
     const double period = from.period(axis);
     const double length =
         period > 0.0 ? period : from.record->origin_cell(from.description.get(), axis);
-    const double bound = substrate_.bound->curvature_bound_along(axis);
+    const double bound = substrate_.curvature->curvature_bound_along(axis);
     const double velocity = drive.velocity.empty() ? 0.0 : drive.velocity[axis];
     const bool known = period > 0.0 && bound >= 0.0;
     if (!(length > 0.0) || velocity == 0.0) return;

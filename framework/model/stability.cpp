@@ -325,7 +325,7 @@ class DampingRates : public FrictionSink {
 /// Friction that is not linear damps by its bound at most, near rest as a rule, and by nothing at
 /// least: it limits fixed steps, but says nothing of how motions decay.
 void add_friction_bound(const Model& model, const Model::Force& force, DampingRates& most) {
-  const double bound = force.bound->friction_bound();
+  const double bound = force.friction->friction_bound();
   if (!(bound > 0.0)) return;
   for (const std::size_t b : force.bodies) {
     const std::size_t count = model.bodies()[b].bound.slot.count;
@@ -337,7 +337,7 @@ void add_friction_bound(const Model& model, const Model::Force& force, DampingRa
 double largest_damping_rate(const Model& model) {
   DampingRates damping(model);
   for (const Model::Force& force : model.forces()) {
-    force.bound->friction(damping);
+    force.friction->friction(damping);
     add_friction_bound(model, force, damping);
   }
   return damping.largest();
@@ -602,7 +602,7 @@ Model::Stiffness Model::stiffness(bool without_bonds) {
 
 double Model::damping_rate() const {
   DampingRates damping(*this);
-  for (const Force& force : forces()) force.bound->friction(damping);
+  for (const Force& force : forces()) force.friction->friction(damping);
   return damping.largest();
 }
 
@@ -617,15 +617,15 @@ Model::Stiffness Model::stiffness_at(double time, bool without_bonds) {
   std::vector<double> site_bounds(bodies().size(), 0.0);
   for (const Force& force : forces()) {
     if (without_bonds && is_bonds(assembly_, force)) continue;
-    const double bound = force.bound->curvature_bound();
+    const double bound = force.curvature->curvature_bound();
     if (bound >= 0.0) {
       for (const std::size_t b : force.bodies) {
         site_bounds[b] += response_to_sites(*this, bodies()[b], bound);
       }
     } else {
-      force.bound->hessian(here, springs);
+      force.curvature->hessian(here, springs);
     }
-    force.bound->friction(damping);
+    force.friction->friction(damping);
   }
   anchor(anchored);
   const double fastest =
@@ -646,9 +646,9 @@ std::optional<double> Model::slowest_time() {
   ScaledHessian springs(*this, true);
   DampingRates damping(*this);
   for (const Force& force : forces()) {
-    force.bound->friction(damping);
-    if (force.bound->curvature_bound() < 0.0 && !is_substrate(force)) {
-      force.bound->hessian(here, springs);
+    force.friction->friction(damping);
+    if (force.curvature->curvature_bound() < 0.0 && !is_substrate(force)) {
+      force.curvature->hessian(here, springs);
     }
   }
   const std::vector<double> squares = springs.eigenvalues();
@@ -684,19 +684,19 @@ bool Model::is_substrate(const Force& force) const {
 
 double Model::share_of_stiffness(const Force& force, const Stage<double>& here) {
   double share = 0.0;
-  const double bound = force.bound->curvature_bound();
+  const double bound = force.curvature->curvature_bound();
   if (bound >= 0.0) {
     for (const std::size_t b : force.bodies) {
       share = std::max(share, response_to_sites(*this, bodies()[b], bound));
     }
   } else {
     ScaledHessian alone(*this, coordinate_count() <= kDenseLimit);
-    force.bound->hessian(here, alone);
+    force.curvature->hessian(here, alone);
     share = alone.largest();
   }
   if (!system().view.inertial) return share;
   DampingRates damping(*this);
-  force.bound->friction(damping);
+  force.friction->friction(damping);
   add_friction_bound(*this, force, damping);
   return std::max(share, damping.largest() * damping.largest());
 }

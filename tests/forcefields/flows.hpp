@@ -119,7 +119,7 @@ struct FlowThatThrows : ExactDecay {
 template <class Law>
 struct WithFlow {
   template <class E, class Real, int D>
-  class Force : public ParticleForce<E, Real, D> {
+  class Force : public ParticleForce<E, Real, D>, public ExactFlow<double> {
    public:
     using ParticleForce<E, Real, D>::ParticleForce;
     bool flow(Flow<double>& flow) override {
@@ -178,7 +178,7 @@ template <class Law>
 class MemoryWithFlow {
  public:
   template <int D>
-  class Force : public OwnStateForce<MemoryDamping, double, D> {
+  class Force : public OwnStateForce<MemoryDamping, double, D>, public ExactFlow<double> {
    public:
     Force(const MemoryDampingDescription& d, const Binding<double>& binding)
         : OwnStateForce<MemoryDamping, double, D>(d, binding, kOwnTables, kRankCheap),

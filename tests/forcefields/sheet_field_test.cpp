@@ -87,7 +87,7 @@ class OnAtom {
     }
     return found;
   }
-  std::string note() { return force_.force().bound->note(); }
+  std::string note() { return force_.force().diagnosis->note(); }
 
  private:
   void put(const Space& x) {

@@ -15,7 +15,7 @@
 namespace tomlin::test {
 
 template <class Law, class Real>
-class PlainBonds : public BoundForce<Real> {
+class PlainBonds : public BoundForce<Real>, public Diagnosis<Real> {
  public:
   PlainBonds(const HarmonicBondsDescription& d, const Binding<Real>& binding)
       : body_(*binding.bodies.front()) {

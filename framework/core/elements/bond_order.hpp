@@ -18,7 +18,7 @@
 #include "framework/core/elements/neighbour_list.hpp"
 #include "framework/core/elements/site_force.hpp"
 #include "framework/core/numbers/sum.hpp"
-#include "framework/core/records/shares_work.hpp"
+#include "framework/core/records/facets.hpp"
 
 /// Bound bond-order potentials, made from an evaluator.
 namespace tomlin {
@@ -146,7 +146,11 @@ class NeighbourRows {
 
 /// The potential among all particles of a body, in three dimensions.
 template <class E, class Real>
-class BondOrderForce : public BoundForce<Real>, public CountsNeighbours, public SharesWork {
+class BondOrderForce : public BoundForce<Real>,
+                       public Curvature<Real>,
+                       public Diagnosis<Real>,
+                       public CountsNeighbours,
+                       public SharesWork {
  public:
   using Entry = typename NeighbourRows<Real>::Entry;
 
@@ -154,10 +158,11 @@ class BondOrderForce : public BoundForce<Real>, public CountsNeighbours, public 
                  const BondOrderTables& tables)
       : table_(tables.on<Real>(binding.set)),
         body_(*binding.bodies.front()),
+        species_(body_),
         kind_(padded(body_.slot.count), 0),
-        names_(list_kinds()),
-        parameters_(E::template table<Real>(description, names_)),
+        parameters_(E::template table<Real>(description, species_.names)),
         rows_(body_, cutoffs(), binding.box) {
+    std::copy(species_.kind.begin(), species_.kind.end(), kind_.begin());
     check_distances(starting(body_), starting(body_), 3, binding.box, 0.25 * shortest_reach(),
                     "a quarter of the shortest cutoff");
     rows_.arguments.parameters = parameters_.data();
@@ -233,19 +238,7 @@ class BondOrderForce : public BoundForce<Real>, public CountsNeighbours, public 
   }
 
  private:
-  /// The species that the body has, each once; fills in which is whose.
-  std::vector<std::string> list_kinds() {
-    std::vector<std::string> names;
-    for (std::size_t i = 0; i < body_.species.size(); ++i) {
-      const std::string& name = body_.species_names[static_cast<std::size_t>(body_.species[i])];
-      const auto known = std::find(names.begin(), names.end(), name);
-      kind_[i] = known - names.begin();
-      if (known == names.end()) names.push_back(name);
-    }
-    return names;
-  }
-
-  std::size_t kinds() const { return std::max<std::size_t>(1, names_.size()); }
+  std::size_t kinds() const { return std::max<std::size_t>(1, species_.names.size()); }
   /// Parameters of a particle of kind i, in the bond to one of kind j, with one of kind k present.
   const auto& parameters_of(std::size_t i, std::size_t j, std::size_t k) const {
     return parameters_[(i * kinds() + j) * kinds() + k];
@@ -372,8 +365,8 @@ class BondOrderForce : public BoundForce<Real>, public CountsNeighbours, public 
 
   const BondOrderTable<Real>& table_;
   BoundBody<Real> body_;
-  AlignedVector<std::int64_t> kind_;
-  std::vector<std::string> names_;
+  ListedSpecies species_;
+  AlignedVector<std::int64_t> kind_;  ///< of each particle, and zeros in the padding
   std::vector<typename E::template Parameters<Real>> parameters_;
   mutable NeighbourRows<Real> rows_;
 };

@@ -19,7 +19,7 @@
 #include "framework/core/elements/neighbour_list.hpp"
 #include "framework/core/elements/site_force.hpp"
 #include "framework/core/numbers/sum.hpp"
-#include "framework/core/records/shares_work.hpp"
+#include "framework/core/records/facets.hpp"
 
 /// Bound forces between all pairs within a cutoff, made from an evaluator of pairs: within a body,
 /// or between two.
@@ -122,22 +122,6 @@ class GroupList {
   AlignedVector<Real> numbers_;
 };
 
-/// The species of a body's particles, each once, and which of them each particle is.
-struct ListedSpecies {
-  std::vector<std::string> names;
-  std::vector<std::uint32_t> kind;  ///< [particle]
-
-  template <class Real>
-  explicit ListedSpecies(const BoundBody<Real>& body) : kind(body.slot.count, 0) {
-    for (std::size_t i = 0; i < body.species.size(); ++i) {
-      const std::string& name = body.species_names[static_cast<std::size_t>(body.species[i])];
-      const auto known = std::find(names.begin(), names.end(), name);
-      kind[i] = static_cast<std::uint32_t>(known - names.begin());
-      if (known == names.end()) names.push_back(name);
-    }
-  }
-};
-
 /// The evaluator between all pairs within the cutoff that its description states. Besides energy
 /// and force the evaluator has cutoff(description); size(description), half of which is how near
 /// particles may start and how far they move in a step, and what_size, which says so in messages;
@@ -145,7 +129,11 @@ struct ListedSpecies {
 /// species, empty where all pairs are alike. Between two
 /// bodies each gets its force by a list of its own, but for one that is fixed.
 template <class E, class Real, int D>
-class CutoffPairForce : public BoundForce<Real>, public CountsNeighbours, public SharesWork {
+class CutoffPairForce : public BoundForce<Real>,
+                        public Curvature<Real>,
+                        public Diagnosis<Real>,
+                        public CountsNeighbours,
+                        public SharesWork {
  public:
   using Parameters = typename E::template Parameters<Real, D>;
 
@@ -202,7 +190,7 @@ class CutoffPairForce : public BoundForce<Real>, public CountsNeighbours, public
 
   void hessian(const Stage<Real>& stage, HessianSink& sink) const override {
     const BoundBody<Real>& body = first_listed();
-    const BoundBody<Real>& other = body.index == one_.index ? other_ : one_;
+    const BoundBody<Real>& other = other_listed();
     const bool same = body.index == other.index;
     for_pairs(stage, [&](std::size_t i, std::size_t j, const Pair<Real, D>& pair) {
       if (same && j < i) return;
@@ -224,12 +212,10 @@ class CutoffPairForce : public BoundForce<Real>, public CountsNeighbours, public
   std::string why_not_finite(const Stage<Real>& stage) const override {
     std::string why;
     const BoundBody<Real>& body = first_listed();
-    const BoundBody<Real>& other = body.index == one_.index ? other_ : one_;
+    const BoundBody<Real>& other = other_listed();
     for_pairs(stage, [&](std::size_t i, std::size_t j, const Pair<Real, D>& pair) {
       const Vec<Real, D> force = force_on<E, Real, D>(parameters_of(i, j), pair);
-      bool finite = true;
-      for (int d = 0; d < D; ++d) finite = finite && force[d] - force[d] == Real(0.0);
-      if (finite || !why.empty()) return;
+      if (is_finite(force) || !why.empty()) return;
       why =
           fmt::format("{} and {} are {:.3g} apart", name_of(starting(body), i),
                       name_of(starting(other), j), static_cast<double>(distance(pair.separation)));
@@ -282,6 +268,10 @@ class CutoffPairForce : public BoundForce<Real>, public CountsNeighbours, public
   /// That whose neighbours the first list holds.
   const BoundBody<Real>& first_listed() const {
     return one_.coordinates == Coordinates::fixed ? other_ : one_;
+  }
+  /// The body that they are particles of.
+  const BoundBody<Real>& other_listed() const {
+    return first_listed().index == one_.index ? other_ : one_;
   }
 
   /// All pairs within the cutoff, particle by particle of the first list; within a body twice.

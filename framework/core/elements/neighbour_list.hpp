@@ -14,7 +14,6 @@
 #include "framework/core/elements/neighbour_search.hpp"
 #include "framework/core/records/bound_force.hpp"
 #include "framework/core/records/force.hpp"
-#include "framework/core/records/neighbour_count.hpp"
 #include "framework/core/system/aligned.hpp"
 
 /// Neighbour lists of forces with a cutoff. A list holds all pairs within the cutoff and a skin
@@ -81,6 +80,22 @@ StartingParticles starting(const BoundBody<Real>& body) {
 
 /// For messages: `particle 3 of "tube" (C)`.
 std::string name_of(const StartingParticles& body, std::size_t particle);
+
+/// The species of a body's particles, each once, and which of them each particle is.
+struct ListedSpecies {
+  std::vector<std::string> names;
+  std::vector<std::uint32_t> kind;  ///< [particle]
+
+  template <class Real>
+  explicit ListedSpecies(const BoundBody<Real>& body) : kind(body.slot.count, 0) {
+    for (std::size_t i = 0; i < body.species.size(); ++i) {
+      const std::string& name = body.species_names[static_cast<std::size_t>(body.species[i])];
+      const auto known = std::find(names.begin(), names.end(), name);
+      kind[i] = static_cast<std::uint32_t>(known - names.begin());
+      if (known == names.end()) names.push_back(name);
+    }
+  }
+};
 
 /// Refuses a start at which two particles are nearer to each other than `least`, which is shorter
 /// than any cutoff: the energy would be as large as in no experiment. The nearest pair is named,

@@ -13,7 +13,7 @@
 namespace tomlin {
 
 template <class E, class Real, int D>
-class OwnStateForce : public BoundForce<Real> {
+class OwnStateForce : public BoundForce<Real>, public InternalVariables<Real> {
  public:
   OwnStateForce(const typename E::Description& description, const Binding<Real>& binding,
                 const KernelTables& tables, int rank)

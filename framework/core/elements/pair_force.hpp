@@ -29,7 +29,7 @@ namespace tomlin {
 /// along contiguous numbers; any other list gathers. In a periodic box separations are those to the
 /// nearest image at every time, unless the pairs are bonds, which keep theirs.
 template <class E, class Real, int D>
-class PairForce : public BoundForce<Real> {
+class PairForce : public BoundForce<Real>, public Curvature<Real>, public Diagnosis<Real> {
  public:
   using Parameters = typename E::template Parameters<Real, D>;
 
@@ -130,10 +130,7 @@ class PairForce : public BoundForce<Real> {
   std::string why_not_finite(const Stage<Real>& stage) const override {
     for (const BoundPair<Real>& bound : pairs_) {
       const Pair<Real, D> here = pair(stage, bound);
-      const Vec<Real, D> force = force_on<E, Real, D>(parameters_, here);
-      bool finite = true;
-      for (int d = 0; d < D; ++d) finite = finite && force[d] - force[d] == Real(0.0);
-      if (finite || !are_together(here)) continue;
+      if (is_finite(force_on<E, Real, D>(parameters_, here)) || !are_together(here)) continue;
       return name_of(bound) + " coincide, and the force between them has no direction";
     }
     return {};
@@ -208,11 +205,7 @@ class PairForce : public BoundForce<Real> {
   }
 
   std::string name_of(const BoundPair<Real>& bound) const {
-    if (body_.index == other_.index) {
-      return fmt::format("particles {} and {} of \"{}\"", bound.i, bound.j, body_.name);
-    }
-    return fmt::format("particle {} of \"{}\" and particle {} of \"{}\"", bound.i, body_.name,
-                       bound.j, other_.name);
+    return name_of_pair(body_, bound.i, other_, bound.j);
   }
 
   Pair<Real, D> pair(const Stage<Real>& stage, const BoundPair<Real>& bound) const {

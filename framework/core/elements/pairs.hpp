@@ -4,8 +4,11 @@
 #include <array>
 #include <cstddef>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "framework/core/elements/energy_kernels.hpp"
 #include "framework/core/numbers/vec.hpp"
@@ -133,6 +136,16 @@ inline std::vector<IndexTriple> angles_between(const std::vector<IndexPair>& bon
     }
   }
   return angles;
+}
+
+/// For messages: `particles 0 and 1 of "chain"`.
+template <class Real>
+std::string name_of_pair(const BoundBody<Real>& one, std::size_t i, const BoundBody<Real>& other,
+                         std::size_t j) {
+  if (one.index == other.index) {
+    return fmt::format("particles {} and {} of \"{}\"", i, j, one.name);
+  }
+  return fmt::format("particle {} of \"{}\" and particle {} of \"{}\"", i, one.name, j, other.name);
 }
 
 /// The way from a pair's first particle to its second's image at the start.

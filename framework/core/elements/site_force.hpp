@@ -36,6 +36,14 @@ Vec<Real, D> vector_at(const BodySlot<Real>& slot, const Real* plain, const Real
   return x;
 }
 
+/// False where a component is infinite, or no number.
+template <class Real, int D>
+bool is_finite(const Vec<Real, D>& x) {
+  bool finite = true;
+  for (int d = 0; d < D; ++d) finite = finite && x[d] - x[d] == Real(0.0);
+  return finite;
+}
+
 /// d2V/dx_a dx_b of a site, from the derivative of the force.
 template <class E, class Real, int D, class Use>
 void for_curvature(const typename E::template Parameters<Real, D>& p, const Site<Real, D>& site,
@@ -98,9 +106,13 @@ std::span<const double> numbers_in(const Numbers& numbers) {
 
 /// Common parts of sites of either kind: parameters, frame, rates, bounds.
 template <class E, class Real, int D>
-class ForceOnSites : public BoundForce<Real> {
+class ForceOnSites : public BoundForce<Real>,
+                     public Curvature<Real>,
+                     public FrictionCoefficients,
+                     public Driving {
  public:
   using Parameters = typename E::template Parameters<Real, D>;
+  using Description = typename E::Description;
 
   ForceOnSites(const typename E::Description& description, const Binding<Real>& binding)
       : description_(description),
@@ -115,34 +127,30 @@ class ForceOnSites : public BoundForce<Real> {
   /// A class that overrides this calls it: the frame of the sites is set here.
   void rebase(const Origin& origin) override { follow(with_frame_, description_, origin); }
 
-  double curvature_bound() const override { return bound_of(description_); }
-  double curvature_bound_along(int axis) const override { return bound_along(description_, axis); }
+  double curvature_bound() const override {
+    return largest([](const Description& d) { return bound_of(d); });
+  }
+  double curvature_bound_along(int axis) const override {
+    return largest([axis](const Description& d) { return bound_along(d, axis); });
+  }
 
-  double friction_bound() const override { return friction_of(description_); }
+  double friction_bound() const override {
+    return largest([](const Description& d) {
+      if constexpr (requires { E::friction_bound(d); }) return E::friction_bound(d);
+      return 0.0;
+    });
+  }
 
-  static constexpr bool kDoesWork =
-      requires(const Parameters& p, const Site<Real, D>& site, const Vec<Real, D>& force) {
-    E::power(p, site, force);
-  };
+  static constexpr bool kDoesWork = DoesWork<E, D>;
 
  protected:
   static constexpr bool kHasFriction = requires(const Parameters& p) { E::friction(p); };
 
-  static double friction_of(const typename E::Description& d) {
-    if constexpr (requires { E::friction_bound(d); }) return E::friction_bound(d);
-    return 0.0;
-  }
-  static double bound_of(const typename E::Description& d) {
-    if constexpr (requires { E::template curvature_bound<D>(d); }) {
-      return E::template curvature_bound<D>(d);
-    }
-    return -1.0;
-  }
-  static double bound_along(const typename E::Description& d, int axis) {
-    if constexpr (requires { E::template curvature_bound_along<D>(d, axis); }) {
-      return E::template curvature_bound_along<D>(d, axis);
-    }
-    return bound_of(d);
+  bool varies() const { return !variations_.empty(); }
+  Description description_at(std::size_t particle) const {
+    Description description = description_;
+    assign_particle(variations_, particle, &description);
+    return description;
   }
 
   /// Updates the numbers that follow from the position of the origin.
@@ -161,11 +169,36 @@ class ForceOnSites : public BoundForce<Real> {
     return p;
   }
 
-  typename E::Description description_;
+  Description description_;
   SiteParameters<E, Real, D> with_frame_;
   Parameters& parameters_;
   BoundBody<Real> body_;
   Origin first_origin_;
+  std::vector<Variation> variations_;  ///< parameters that differ between particles
+
+ private:
+  static double bound_of(const Description& d) {
+    if constexpr (requires { E::template curvature_bound<D>(d); }) {
+      return E::template curvature_bound<D>(d);
+    }
+    return -1.0;
+  }
+  static double bound_along(const Description& d, int axis) {
+    if constexpr (requires { E::template curvature_bound_along<D>(d, axis); }) {
+      return E::template curvature_bound_along<D>(d, axis);
+    }
+    return bound_of(d);
+  }
+
+  /// Largest value over all particles of a bound that follows from a description.
+  template <class Bound>
+  double largest(Bound bound) const {
+    double most = bound(description_);
+    for (std::size_t i = 0; varies() && i < body_.slot.count; ++i) {
+      most = std::max(most, bound(description_at(i)));
+    }
+    return most;
+  }
 };
 
 /// The evaluator on every particle of a body. `start`, in the scene's coordinates, is where
@@ -188,7 +221,7 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
     arguments_.body = this->body_.slot;
     arguments_.parameters = &this->with_frame_;
     if (!binding.variations.empty()) {
-      variations_.assign(binding.variations.begin(), binding.variations.end());
+      this->variations_.assign(binding.variations.begin(), binding.variations.end());
       varied_kernel_ = tables.on<Real>(binding.set).varied_site[D - 1];
       heat_kernel_ = tables.on<Real>(binding.set).varied_heat[D - 1];
       energy_ = tables.on<Real>(binding.set).varied_site_energy[D - 1];
@@ -209,7 +242,12 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
   std::vector<Pass<Real>> passes() override {
     const std::vector<Region> writes = {{this->body_.index, false}};
     if (varies()) return {{nullptr, varied_kernel_, &arguments_, writes, rank_, lane_form()}};
-    return {{kernels_.set[D - 1], kernels_.add[D - 1], &arguments_, writes, rank_, lane_form()}};
+    PointForce<Real> point;
+    if (D == 1 && this->body_.slot.count == 1 && !E::reads.table) {
+      point = {point_, &this->with_frame_, start_.empty() ? Real(0.0) : start_[0], arguments_.rate};
+    }
+    return {
+        {kernels_.set[D - 1], kernels_.add[D - 1], &arguments_, writes, rank_, lane_form(), point}};
   }
 
   void rebase(const Origin& origin) override {
@@ -218,24 +256,6 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
   }
 
   void place_rates(std::ptrdiff_t first) override { arguments_.rate = first; }
-
-  double curvature_bound() const override {
-    return largest([](const typename E::Description& d) { return Base::bound_of(d); });
-  }
-  double curvature_bound_along(int axis) const override {
-    return largest([axis](const typename E::Description& d) { return Base::bound_along(d, axis); });
-  }
-
-  double friction_bound() const override {
-    return largest([](const typename E::Description& d) { return Base::friction_of(d); });
-  }
-
-  bool point(PointForce<Real>& force) const override {
-    if (D != 1 || this->body_.slot.count != 1 || !point_ || varies()) return false;
-    if constexpr (E::reads.table) return false;
-    force = {point_, &this->with_frame_, start_.empty() ? Real(0.0) : start_[0], arguments_.rate};
-    return true;
-  }
 
   Real energy(const Stage<Real>& stage) const override {
     return energy_ ? energy_(&arguments_, stage) : Real(0.0);
@@ -277,7 +297,8 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
   }
 
  private:
-  bool varies() const { return !variations_.empty(); }
+  using Base::description_at;
+  using Base::varies;
   LaneForm lane_form() const {
     LaneForm form;
     if constexpr (std::is_same_v<Real, double>) {
@@ -292,22 +313,6 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
   const SiteParameters<E, Real, D>& at(std::size_t particle) const {
     return varies() ? each_[particle] : this->with_frame_;
   }
-  typename E::Description description_at(std::size_t particle) const {
-    typename E::Description description = this->description_;
-    assign_particle(variations_, particle, &description);
-    return description;
-  }
-
-  /// Largest value over all particles of a bound that follows from a description.
-  template <class Bound>
-  double largest(Bound bound) const {
-    double most = bound(this->description_);
-    for (std::size_t i = 0; varies() && i < this->body_.slot.count; ++i) {
-      most = std::max(most, bound(description_at(i)));
-    }
-    return most;
-  }
-
   /// Every particle's parameters, and the same number by number for the kernels. The padding
   /// repeats the last particle's.
   void vary(const Origin& origin) {
@@ -356,7 +361,6 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
   LaneForm heat_lanes_;
   AlignedVector<Real> start_;
   // These members are for parameters that differ between particles.
-  std::vector<Variation> variations_;
   Kernel<Real> varied_kernel_ = nullptr;
   std::vector<SiteParameters<E, Real, D>> each_;
   AlignedVector<Real> by_number_;  ///< [number * stride + particle]
@@ -407,21 +411,20 @@ class AttachedForce : public ForceOnSites<E, Real, D> {
   }
 
   std::vector<Pass<Real>> passes() override {
+    PointForce<Real> point;
+    if (D == 1 && this->body_.slot.count == 1) {
+      point = {point_, &this->with_frame_, arguments_.start[0], arguments_.rate};
+    }
     return {{kernels_.set[D - 1],
              kernels_.add[D - 1],
              &arguments_,
              {{this->body_.index, arguments_.on_coordinates}},
              rank_,
-             lane_form()}};
+             lane_form(),
+             point}};
   }
 
   void place_rates(std::ptrdiff_t first) override { arguments_.rate = first; }
-
-  bool point(PointForce<Real>& force) const override {
-    if (D != 1 || this->body_.slot.count != 1 || !point_) return false;
-    force = {point_, &this->with_frame_, arguments_.start[0], arguments_.rate};
-    return true;
-  }
 
   Real energy(const Stage<Real>& stage) const override {
     if constexpr (HasEnergy<E, D, Site>) return E::energy(this->parameters_, site(stage));

@@ -156,7 +156,7 @@ inline Complaint complaint_about(const FormulaLaw& law, const FormulaLaw::Troubl
 
 /// Common parts of all kinds: the programs, the time, the origin, and why a value is not finite.
 template <class Real>
-class FormulaForce : public BoundForce<Real> {
+class FormulaForce : public BoundForce<Real>, public Curvature<Real>, public Diagnosis<Real> {
  public:
   static constexpr std::size_t kMostOutputs = 8;
   static constexpr int kThorough = 64;
@@ -309,6 +309,20 @@ class FormulaForce : public BoundForce<Real> {
     return program.view(start_of_time_, law_.depends_on_time());
   }
 
+  /// The position of a particle along an axis, at a stage or (null) at the start.
+  static Real coordinate(const Stage<Real>* stage, const BoundBody<Real>& body,
+                         std::size_t particle, std::size_t axis) {
+    if (stage == nullptr) return Real(body.start[particle][axis]);
+    const BodySlot<Real>& slot = body.slot;
+    return (slot.mapped ? stage->mapped_position
+                        : stage->position)[slot.offset + axis * slot.stride + particle];
+  }
+
+  /// Complaint about elements for which the formula's force is not defined.
+  static Complaint undefined(std::string why) {
+    return {.key = "energy", .why = std::move(why), .code = FaultCode::component_unsuitable};
+  }
+
   /// The first inputs: positions, velocities, distances or angles. Numbers of particles follow.
   std::size_t coordinates() const { return codes_.inputs.size() - law_.particle_numbers(); }
 
@@ -393,17 +407,15 @@ class ParticleFormula final : public FormulaForce<Real> {
   }
 
   std::vector<Pass<Real>> passes() override {
-    return {{this->kernels_.site.set[0],
-             this->kernels_.site.add[0],
-             &arguments_,
-             {{body_.index, false}},
-             kRankTranscendental}};
-  }
-
-  bool point(PointForce<Real>& force) const override {
-    if (this->dimension_ != 1 || body_.slot.count != 1) return false;
-    force = {this->kernels_.point, &arguments_, Real(0.0), kNoRate};
-    return true;
+    Pass<Real> pass = {this->kernels_.site.set[0],
+                       this->kernels_.site.add[0],
+                       &arguments_,
+                       {{body_.index, false}},
+                       kRankTranscendental};
+    if (this->dimension_ == 1 && body_.slot.count == 1) {
+      pass.point = {this->kernels_.point, &arguments_};
+    }
+    return {pass};
   }
 
   Real energy(const Stage<Real>& stage) const override {
@@ -749,19 +761,11 @@ class PairFormula final : public FormulaForce<Real> {
     const Real elapsed = stage ? stage->elapsed : Real(0.0);
     for (const BoundPair<Real>& pair : pairs_) {
       const Real r = distance_of(separation(stage, pair));
-      const std::string of =
-          body_.index == other_.index
-              ? fmt::format("particles {} and {} of \"{}\"", pair.i, pair.j, body_.name)
-              : fmt::format("particle {} of \"{}\" and particle {} of \"{}\"", pair.i, body_.name,
-                            pair.j, other_.name);
+      const std::string of = name_of_pair(body_, pair.i, other_, pair.j);
       auto complaint = this->trouble({r}, elapsed, of);
       if (complaint) return complaint;
       if (r == Real(0.0) && this->evaluate(this->force_, {r}, elapsed)[0] != Real(0.0)) {
-        Complaint together;
-        together.code = FaultCode::component_unsuitable;
-        together.key = "energy";
-        together.why = of + " coincide, and the force between them has no direction";
-        return together;
+        return this->undefined(of + " coincide, and the force between them has no direction");
       }
     }
     return std::nullopt;
@@ -795,13 +799,8 @@ class PairFormula final : public FormulaForce<Real> {
     for (int d = 0; d < 3; ++d) way[d] = Real(0.0);
     for (int d = 0; d < this->dimension_; ++d) {
       const auto axis = static_cast<std::size_t>(d);
-      const auto at = [&](const BoundBody<Real>& body, std::size_t particle) {
-        if (stage == nullptr) return Real(body.start[particle][axis]);
-        const BodySlot<Real>& slot = body.slot;
-        return (slot.mapped ? stage->mapped_position
-                            : stage->position)[slot.offset + axis * slot.stride + particle];
-      };
-      way[d] = at(other_, pair.j) - at(body_, pair.i);
+      way[d] = this->coordinate(stage, other_, pair.j, axis) -
+               this->coordinate(stage, body_, pair.i, axis);
       if (arguments_.chain) {
         way[d] = way[d] + Real(pair.image[axis]);
       } else if (box_[axis] > 0.0) {
@@ -889,21 +888,14 @@ class AngleFormula final : public FormulaForce<Real> {
       for (std::size_t side = 0; side < 2; ++side) {
         const auto& way = bond[side];
         if (way[0] * way[0] + way[1] * way[1] + way[2] * way[2] > Real(0.0)) continue;
-        Complaint together;
-        together.code = FaultCode::component_unsuitable;
-        together.key = "energy";
-        together.why = of + " define no angle: two of them coincide";
-        return together;
+        return this->undefined(of + " define no angle: two of them coincide");
       }
       const bool straight = cross_of(bond) == Real(0.0);
       if (straight && this->evaluate(this->force_, {angle_of(bond)}, elapsed)[0] != Real(0.0)) {
-        Complaint line;
-        line.code = FaultCode::component_unsuitable;
-        line.key = "energy";
-        line.why = of +
-                   " are collinear, where the derivative of the energy is not zero: the direction "
-                   "of bending is undefined";
-        return line;
+        return this->undefined(
+            of +
+            " are collinear, where the derivative of the energy is not zero: the direction "
+            "of bending is undefined");
       }
     }
     return std::nullopt;
@@ -981,18 +973,13 @@ class AngleFormula final : public FormulaForce<Real> {
   }
 
   Bonds bonds(const Stage<Real>* stage, std::size_t k) const {
-    const auto at = [&](std::size_t particle, std::size_t axis) {
-      if (stage == nullptr) return Real(body_.start[particle][axis]);
-      const BodySlot<Real>& slot = body_.slot;
-      return (slot.mapped ? stage->mapped_position
-                          : stage->position)[slot.offset + axis * slot.stride + particle];
-    };
     const std::size_t length = padded(angles_.size());
     const auto axes = static_cast<std::size_t>(this->dimension_);
     Bonds bond{};
     for (std::size_t side = 0; side < 2; ++side) {
       for (std::size_t d = 0; d < axes; ++d) {
-        bond[side][d] = at(angles_[k][2 * side], d) - at(angles_[k][1], d) +
+        bond[side][d] = this->coordinate(stage, body_, angles_[k][2 * side], d) -
+                        this->coordinate(stage, body_, angles_[k][1], d) +
                         image_[(side * axes + d) * length + k];
       }
     }

@@ -151,11 +151,11 @@ std::optional<PropertyResult> dissipative(ForceUnderTest& e) {
 
 /// Coefficients times velocities, on particles or, for bodies that move as one, on their centre.
 std::optional<PropertyResult> friction(ForceUnderTest& e) {
-  if (!e.bound().is_friction()) return std::nullopt;
+  if (!e.force().friction->is_friction()) return std::nullopt;
   e.begin("friction", "the friction matrix = minus the force's slopes in the velocities");
   const Model& model = e.alone().model();
   Coefficients coefficients(model);
-  e.bound().friction(coefficients);
+  e.force().friction->friction(coefficients);
   const auto coefficient_of = [&](const Variable& variable) {
     const auto& of_body = coefficients.of_particle[variable.body];
     const BodySlot<double>& slot = model.bodies()[variable.body].bound.slot;
@@ -194,7 +194,7 @@ std::optional<PropertyResult> friction(ForceUnderTest& e) {
 
 /// Between rest and slower and slower motion, where friction is usually at its stiffest.
 std::optional<PropertyResult> friction_bound(ForceUnderTest& e) {
-  const double bound = e.bound().friction_bound();
+  const double bound = e.force().friction->friction_bound();
   if (bound == 0.0) return std::nullopt;
   e.begin("friction bound", "the force changes with velocities by no more than its bound");
   const Model& model = e.alone().model();
@@ -262,7 +262,7 @@ std::optional<PropertyResult> balance(ForceUnderTest& e) {
     const double size = taken.size + std::abs(work) + std::abs(heat);
     const Gain gain = gain_at(e, *twin, *state, size);
     double drive = 0.0;  // speed of a support, whose position is rounded too
-    if (const Drive* pulled = e.bound().drive()) {
+    if (const Drive* pulled = e.force().driving->drive()) {
       for (const double v : pulled->velocity) drive += std::abs(v);
     }
     const double allowed = kRounding * (size + noise + sensitivity * (speed + drive)) + gain.error +

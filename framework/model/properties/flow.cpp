@@ -18,7 +18,7 @@ std::optional<PropertyResult> look_at_operator(ForceUnderTest& e, const char* pr
                                                const char* meaning, Look&& look) {
   const auto twin = e.twin();
   Flow<double> flow;
-  if (!twin->bound().flow(flow)) return std::nullopt;
+  if (!twin->force().exact_flow->flow(flow)) return std::nullopt;
   e.begin(property, meaning);
   Random random(e.seed());
   const SystemView<double>& view = twin->view();
@@ -41,7 +41,7 @@ std::optional<PropertyResult> look_at_operator(ForceUnderTest& e, const char* pr
         all.push_back(twin->force_at(i) * inverse_mass[i]);
       }
       // Its own variables follow those of prescribed motions, which no operator advances.
-      const std::size_t steered = view.own_count - twin->bound().own_count();
+      const std::size_t steered = view.own_count - twin->force().variables->own_count();
       for (std::size_t k = 0; k < view.own_count; ++k) {
         all.push_back(k < steered ? 0.0 : twin->rate(k));
       }

@@ -89,7 +89,7 @@ ForceUnderTest::ForceUnderTest(const Scene& scene, std::size_t force, double len
   list_hidden();
   if (!hidden_.empty()) {
     by_terms_ = twin();
-    passes_ = by_terms_->bound().passes();
+    passes_ = by_terms_->force().bound->passes();
   }
   make_states();
 }
@@ -118,7 +118,7 @@ void ForceUnderTest::list_hidden() {
 /// Drivers are looked at while they are about a length away from their start.
 double ForceUnderTest::latest_time() {
   double latest = alone_.model().scene().run.duration;
-  if (const Drive* drive = bound().drive()) {
+  if (const Drive* drive = force().driving->drive()) {
     for (const double velocity : drive->velocity) {
       if (velocity != 0.0) latest = std::min(latest, length_ / std::abs(velocity));
     }

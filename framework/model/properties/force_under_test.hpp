@@ -79,7 +79,7 @@ class ForceUnderTest {
   SingleForce& alone() { return alone_; }
   const ForceRecord& record() const { return *alone_.force().record; }
   const Traits& traits() const { return alone_.force().traits; }
-  BoundForce<double>& bound() { return *alone_.force().bound; }
+  const Model::Force& force() { return alone_.force(); }
   const SceneForce& described() { return alone_.model().scene().forces.front(); }
   bool on_prescribed() const;
   /// Some coordinates of its bodies are no variables: see Terms.

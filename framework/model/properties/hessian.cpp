@@ -14,10 +14,10 @@ constexpr double kVisible = 100.0;
 constexpr double kSharp = 1e-6;
 
 /// Second derivatives times a direction, along another: translations for bodies that move as one.
-class Curvature : public HessianSink {
+class CurvatureAlong : public HessianSink {
  public:
-  Curvature(const ForceUnderTest& e, const Direction& one, const Direction& other,
-            const Model& model)
+  CurvatureAlong(const ForceUnderTest& e, const Direction& one, const Direction& other,
+                 const Model& model)
       : model_(model), one_(by_coordinate(e, one)), other_(by_coordinate(e, other)) {}
 
   void site(std::size_t body, std::size_t particle, int a, int b, double value) override {
@@ -86,7 +86,7 @@ struct SlopeOfForce {
 /// By differences of one length; nothing where they have not settled.
 std::optional<SlopeOfForce> slope_along(ForceUnderTest& e, const State& state,
                                         const Direction& along, const Direction& seen,
-                                        const Curvature& curvature, double longest) {
+                                        const CurvatureAlong& curvature, double longest) {
   double most = 0.0;
   const Slope slope = slope_of(
       [&](double h) {
@@ -111,7 +111,7 @@ std::optional<SlopeOfForce> slope_along(ForceUnderTest& e, const State& state,
 /// Slopes of the force by differences against second derivatives. False where none settle, as at a
 /// kink: nothing was compared.
 bool compare_curvature(ForceUnderTest& e, const State& state, const Direction& along,
-                       const Direction& seen, const Curvature& curvature) {
+                       const Direction& seen, const CurvatureAlong& curvature) {
   std::optional<SlopeOfForce> best;
   for (const double part : kShorter) {
     const double longest = part * kLongestDifference * e.length();
@@ -137,8 +137,8 @@ std::optional<PropertyResult> hessian(ForceUnderTest& e) {
     const Direction seen = translation(e, random);
     e.put(state, *twin);
     twin->evaluate(state.time);
-    Curvature curvature(e, seen, along, e.alone().model());
-    twin->bound().hessian(twin->stage(), curvature);
+    CurvatureAlong curvature(e, seen, along, e.alone().model());
+    twin->force().curvature->hessian(twin->stage(), curvature);
     if (!curvature.given) return std::nullopt;
     if (compare_curvature(e, state, along, seen, curvature)) e.count_state();
   }

@@ -193,7 +193,7 @@ std::optional<PropertyResult> time(ForceUnderTest& e) {
   e.begin("time", depends ? "the same however time is divided into steps"
                           : "force and energy are the same at all times");
   // Time advances only for a force that declares it when it is bound.
-  if (e.bound().depends_on_time() != depends)
+  if (e.force().bound->depends_on_time() != depends)
     e.contradict(depends ? 0.0 : 1.0, depends ? 1.0 : 0.0);
   const auto twin = e.twin();
   for (const State& state : e.near()) {

@@ -65,7 +65,7 @@ class Written {
 
 /// Passes that may set: the first on a region, of one region.
 std::vector<Pass<double>> setting_passes(ForceTwin<double>& twin) {
-  std::vector<Pass<double>> passes = twin.bound().passes();
+  std::vector<Pass<double>> passes = twin.force().bound->passes();
   std::erase_if(passes, [](const Pass<double>& pass) {
     return pass.set == nullptr || pass.add == nullptr || pass.writes.size() != 1;
   });
@@ -131,19 +131,21 @@ std::optional<PropertyResult> padding(ForceUnderTest& e) {
 
 /// Its force and, of a driver, its power. Of several bodies it acts on one.
 std::optional<PropertyResult> point(ForceUnderTest& e) {
-  PointForce<double> none;
+  const auto point_of = [](const ForceTwin<double>& twin) {
+    const std::vector<Pass<double>> passes = twin.force().bound->passes();
+    return passes.empty() ? PointForce<double>{} : passes.front().point;
+  };
   const auto first = e.twin();
   const std::size_t body = first->force().bodies.front();
   std::size_t own = 0;
   while (own < e.count() && e.variable(own).body != body) ++own;
-  if (own == e.count() || first->body(body).bound.slot.mapped || !first->bound().point(none)) {
+  if (own == e.count() || first->body(body).bound.slot.mapped || point_of(*first).run == nullptr) {
     return std::nullopt;
   }
   e.begin("point", "its kernel for a single particle on a line has the bits of the loop");
   for (const InstructionSet set : supported_sets()) {
     const auto twin = e.twin(set);
-    PointForce<double> point;
-    twin->bound().point(point);
+    const PointForce<double> point = point_of(*twin);
     for (const State* state : e.everywhere()) {
       e.put(*state, *twin);
       twin->evaluate(state->time);

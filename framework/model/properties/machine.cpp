@@ -65,7 +65,7 @@ void compare_others(ForceUnderTest& e, ForceTwin<double>& twin, const Outcome& f
   changes[kEnergy] += hidden_change(e, state, sensitivity, allowed);
   const ForceUnderTest::Terms terms = e.terms(state);
   changes[kHeat] += terms.heat + (terms.size + terms.change) * terms.speed;
-  if (const Drive* drive = e.bound().drive(); drive != nullptr && !e.on_prescribed()) {
+  if (const Drive* drive = e.force().driving->drive(); drive != nullptr && !e.on_prescribed()) {
     // A driver also reports the forces on held coordinates.
     double fastest = 0.0;
     for (const double v : drive->velocity) fastest = std::max(fastest, std::abs(v));

@@ -85,7 +85,7 @@ std::optional<LargestCurvature> largest_curvature(ForceUnderTest& e, ForceTwin<d
   e.put(state, twin);
   twin.evaluate(state.time);
   Blocks blocks(e.alone().model());
-  twin.bound().hessian(twin.stage(), blocks);
+  twin.force().curvature->hessian(twin.stage(), blocks);
   if (!blocks.given) return std::nullopt;
   const auto axes = static_cast<std::size_t>(e.alone().model().dimension());
   LargestCurvature largest;
@@ -104,10 +104,10 @@ std::optional<LargestCurvature> largest_curvature(ForceUnderTest& e, ForceTwin<d
 bool compare_blocks(ForceUnderTest& e, ForceTwin<double>& twin, const State& state) {
   const auto largest = largest_curvature(e, twin, state);
   if (!largest) return false;
-  const BoundForce<double>& force = twin.bound();
-  note_bound(e, largest->most, force.curvature_bound(), state);
+  const Curvature<double>& curvature = *twin.force().curvature;
+  note_bound(e, largest->most, curvature.curvature_bound(), state);
   for (int d = 0; d < e.alone().model().dimension(); ++d) {
-    const double bound = force.curvature_bound_along(d);
+    const double bound = curvature.curvature_bound_along(d);
     const double along = largest->along[static_cast<std::size_t>(d)];
     // In parts of the largest, of which the others are rounded.
     if (bound >= 0.0 && along > kRounding * largest->most) note_bound(e, along, bound, state);
@@ -136,7 +136,7 @@ bool compare_slope(ForceUnderTest& e, const State& state, std::size_t i) {
   const auto& slot = e.alone().model().bodies()[e.variable(i).body].bound.slot;
   const double particles = slot.rigid ? static_cast<double>(slot.count) : 1.0;
   note_bound(e, std::abs(slope.best),
-             particles * e.bound().curvature_bound_along(e.variable(i).axis), state);
+             particles * e.force().curvature->curvature_bound_along(e.variable(i).axis), state);
   return true;
 }
 
@@ -156,7 +156,7 @@ State in_another_phase(const ForceUnderTest& e, const State& state, const SceneF
 }  // namespace
 
 std::optional<PropertyResult> stiffness(ForceUnderTest& e) {
-  if (!(e.bound().curvature_bound() >= 0.0)) return std::nullopt;
+  if (!(e.force().curvature->curvature_bound() >= 0.0)) return std::nullopt;
   e.begin("stiffness", "no curvature beyond the bound that the stable step is made of");
   Random random(e.seed());
   const auto twin = e.twin();
@@ -175,7 +175,7 @@ std::optional<PropertyResult> stiffness(ForceUnderTest& e) {
 /// There is nothing to compare where a scene stays away from the largest curvature, as high above a
 /// substrate that decays.
 std::optional<PropertyResult> tight(ForceUnderTest& e) {
-  const double bound = e.bound().curvature_bound();
+  const double bound = e.force().curvature->curvature_bound();
   if (!(bound > 0.0)) return std::nullopt;
   e.begin("tight", "some curvature comes to half of the bound that the stable step is made of");
   Random random(e.seed());

@@ -28,7 +28,7 @@ SingleForce::Wrench total_of(ForceUnderTest& e) {
 
 /// A force with a cutoff leaves out what would act on a body that is fixed.
 bool acts_on_all_its_bodies(ForceUnderTest& e) {
-  const std::vector<Pass<double>> passes = e.bound().passes();
+  const std::vector<Pass<double>> passes = e.force().bound->passes();
   const std::vector<std::size_t>& bodies = e.alone().force().bodies;
   return std::all_of(bodies.begin(), bodies.end(), [&](std::size_t body) {
     return std::any_of(passes.begin(), passes.end(), [&](const Pass<double>& pass) {
@@ -129,8 +129,8 @@ std::optional<PropertyResult> internal(ForceUnderTest& e) {
 /// A driver's force and power as the summary will show them. Whoever does work has an end that is
 /// pulled and rates for its force and power, and nobody else has.
 std::optional<PropertyResult> driver(ForceUnderTest& e) {
-  const Drive* drive = e.bound().drive();
-  const std::size_t reported = e.bound().rate_count();
+  const Drive* drive = e.force().driving->drive();
+  const std::size_t reported = e.force().driving->rate_count();
   if (!e.traits().does_work && drive == nullptr && reported == 0) return std::nullopt;
   e.begin("driver", "reports the force it exerts, and force . velocity as its power");
   const double expected = e.traits().does_work ? e.alone().model().dimension() + 1.0 : 0.0;
@@ -173,7 +173,7 @@ std::optional<PropertyResult> its_own(ForceUnderTest& e) {
     twin->evaluate(state.time);
     const auto add_to = [&](double background) {
       watched.fill(background);
-      for (const Pass<double>& pass : twin->bound().passes()) {
+      for (const Pass<double>& pass : twin->force().bound->passes()) {
         if (pass.add != nullptr) pass.add(pass.arguments, twin->stage());
       }
     };

@@ -183,7 +183,7 @@ class Together {
     // Own variables come in the order of the forces, after those of prescribed motions.
     std::size_t steered = own_count();
     for (const auto& alone : alone_) {
-      steered -= alone->assembly().forces().front().bound->own_count();
+      steered -= alone->assembly().forces().front().variables->own_count();
     }
     steered_ = steered;
     for (const auto& driver : all_.assembly().drivers()) {
@@ -244,7 +244,7 @@ class Together {
     none_.evaluate(state.time);
     for (std::size_t k = 0; k < numbers_.size(); ++k) sum[k] = part_of(none_, numbers_[k]);
     for (const auto& alone : alone_) {
-      const std::size_t count = alone->assembly().forces().front().bound->own_count();
+      const std::size_t count = alone->assembly().forces().front().variables->own_count();
       put(state, *alone, own, count);
       own += count;
       alone->clear();

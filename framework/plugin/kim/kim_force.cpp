@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/records/neighbour_count.hpp"
+#include "framework/core/records/facets.hpp"
 #include "framework/plugin/kim/kim_surroundings.hpp"
 
 namespace tomlin::kim {
@@ -139,7 +139,10 @@ class ModelAtWork {
   std::vector<double> unmoved_;
 };
 
-class KimForce : public BoundForce<double>, public CountsNeighbours {
+class KimForce : public BoundForce<double>,
+                 public Curvature<double>,
+                 public Diagnosis<double>,
+                 public CountsNeighbours {
  public:
   KimForce(const KimModelDescription& description, const Binding<double>& binding)
       : work_(std::make_unique<ModelAtWork>(description.model, binding)) {

@@ -22,7 +22,7 @@ Triggers::Triggers(RunContext& run, const Rotations& rotations) : run_(run), rot
   const std::vector<SceneForce>& scene_forces = run.scene->forces;
   for (std::size_t f = 0; f < model.forces().size(); ++f) {
     const Model::Force& bound = model.forces()[f];
-    const Passing* passing = bound.bound->waits_for();
+    const Passing* passing = bound.control->waits_for();
     if (passing == nullptr) continue;
     const auto force = std::find_if(scene_forces.begin(), scene_forces.end(),
                                     [&](const SceneForce& one) { return one.name == bound.name; });
@@ -52,12 +52,12 @@ void Triggers::attach(RunState& state) {
 
 bool Triggers::waiting() const {
   return std::any_of(triggers_.begin(), triggers_.end(),
-                     [this](const Trigger& one) { return force_of(one).bound->waits(); });
+                     [this](const Trigger& one) { return force_of(one).control->waits(); });
 }
 
 /// Sides are told apart: 0 above the upper value, 1 below the lower one.
 double Triggers::beyond(const Trigger& trigger, int side) const {
-  const Passing& passing = *force_of(trigger).bound->waits_for();
+  const Passing& passing = *force_of(trigger).control->waits_for();
   const auto& value = side == 0 ? passing.above : passing.below;
   if (!value) return -1.0;
   const double by = trigger.instant.above(run_.model, instant_, *value);
@@ -81,7 +81,7 @@ void Triggers::read(const DoubleDouble& time, const double* position, const doub
 /// that swings back through it would reverse the driver for good. -1: that is not known.
 int Triggers::side_behind(const Trigger& trigger) const {
   const Model::Force& force = force_of(trigger);
-  const Passing& passing = *force.bound->waits_for();
+  const Passing& passing = *force.control->waits_for();
   const Drive* drive = force.drive();
   if (!alternates(passing) || drive == nullptr || passing.when.size() < 2) return -1;
   const std::size_t dot = passing.when.size() - 2;
@@ -108,7 +108,7 @@ void Triggers::start() {
       run_.outcome.warnings.push_back(
           {FaultCode::run_reverse_passed,
            fmt::format("{}: {} is {} its value at the start; the driver reverses when it passes it",
-                       key, force.bound->waits_for()->when, side == 0 ? "above" : "below"),
+                       key, force.control->waits_for()->when, side == 0 ? "above" : "below"),
            key});
     }
   }
@@ -121,7 +121,7 @@ std::optional<Triggers::Passed> Triggers::first_passed(const DoubleDouble& begin
   std::vector<std::pair<std::size_t, int>> candidates;
   for (std::size_t t = 0; t < triggers_.size(); ++t) {
     const Trigger& trigger = triggers_[t];
-    if (!force_of(trigger).bound->waits()) continue;
+    if (!force_of(trigger).control->waits()) continue;
     for (int side = 0; side < 2; ++side) {
       if (trigger.beyond[side] == kWaits) continue;
       const bool now_beyond = beyond(trigger, side) > 0.0;
@@ -162,11 +162,11 @@ double Triggers::theta_of(const Trigger& trigger, int side, const DoubleDouble& 
 const std::string& Triggers::fire(const Passed& passed) {
   const Trigger& trigger = triggers_[passed.trigger];
   const Model::Force& force = force_of(trigger);
-  force.bound->passed(run_.clock.now());
+  force.control->passed(run_.clock.now());
   const SystemView<double>& view = run_.model.system().view;
   read(run_.clock.now(), view.position, view.velocity, view.integrals);
   // It has passed its value, whatever rounding says; it can again when it has come back.
-  const Passing& passing = *force.bound->waits_for();
+  const Passing& passing = *force.control->waits_for();
   const bool first_waits = trigger.beyond[0] == kWaits;
   const bool nearer_first = std::abs(beyond(trigger, 0)) < std::abs(beyond(trigger, 1));
   const int side = !passing.below                                ? 0

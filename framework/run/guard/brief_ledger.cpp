@@ -37,7 +37,7 @@ BriefLedger::BriefLedger(const RunContext& run) {
   for (const Model::Force& force : run.model.forces()) {
     Operation<double> heat;
     if (force.is_operator || force.driver) continue;
-    if (!force.bound->heat(static_cast<std::ptrdiff_t>(rate), heat)) continue;
+    if (!force.heat(static_cast<std::ptrdiff_t>(rate), heat)) continue;
     if (!has_velocities(run.model, force)) return;
     // A kick's forces are the rates, at a velocity of half a step before.
     if (splits_friction_ && !force.traits.conservative) return;
@@ -70,10 +70,11 @@ BriefLedger::BriefLedger(const RunContext& run) {
 
 /// A force that depends on velocity takes out the power -F v.
 bool BriefLedger::add_point(const Model::Force& force, std::size_t rate) {
-  PointForce<double> own;
-  if (!force.traits.depends_on_velocity || !force.bound->point(own)) return false;
+  if (!force.traits.depends_on_velocity) return false;
+  const std::vector<Pass<double>> passes = force.passes();
+  if (passes.empty() || passes.front().point.run == nullptr) return false;
   const auto found = std::find_if(points_.begin(), points_.end(), [&](const auto& point) {
-    return point.parameters == own.parameters && point.rate == kNoRate;
+    return point.parameters == passes.front().point.parameters && point.rate == kNoRate;
   });
   if (found == points_.end()) return false;
   dampers_.push_back({found->run, found->parameters, found->start, rate});

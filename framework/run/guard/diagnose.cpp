@@ -46,7 +46,7 @@ std::string strongest_force(Model& model, std::size_t coordinate) {
                static_cast<const double*>(s.integrals), rates.data(), 0.0);
   for (const Model::Force& force : model.forces()) {
     double part = 0.0;
-    for (const Pass<double>& pass : force.bound->passes()) {
+    for (const Pass<double>& pass : force.own_passes()) {
       for (const Region& region : pass.writes) {
         const BodySlot<double>& slot = model.bodies()[region.body].bound.slot;
         if (model.bodies()[region.body].bound.name != name.body) continue;
@@ -98,7 +98,8 @@ NotFinite not_finite(Model& model, const DoubleDouble& time, double h) {
         s, static_cast<const double*>(position.data()), static_cast<const double*>(s.velocity),
         static_cast<const double*>(s.integrals), rates.data(), 0.0);
     for (const Model::Force& force : model.forces()) {
-      if (found.why.empty()) found = {force.name, force.bound->why_not_finite(stage)};
+      if (!found.why.empty() || !force.is_active()) continue;
+      found = {force.name, force.diagnosis->why_not_finite(stage)};
     }
     if (!found.why.empty()) break;
   }
@@ -162,7 +163,7 @@ const Model::Force* failing_thermostat(const Model& model, double h) {
   const SystemView<double>& s = model.system().view;
   for (const Model::Force& force : model.forces()) {
     Flow<double> flow;
-    if (!force.record->thermostat || force.traits.stochastic || !force.bound->flow(flow)) continue;
+    if (!force.record->thermostat || force.traits.stochastic || !force.flow(flow)) continue;
     AlignedVector<double> velocity(s.velocity, s.velocity + s.dofs);
     AlignedVector<double> own(s.integrals, s.integrals + s.own);
     FlowStage<double> stage;

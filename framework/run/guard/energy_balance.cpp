@@ -152,7 +152,7 @@ bool EnergyBalance::find_heats(RunContext& run) {
     if (force.driver) continue;
     Heat heat;
     heat.of_energy = force.traits.conservative;
-    if (!force.bound->heat(static_cast<std::ptrdiff_t>(heats_.size()), heat.operation)) continue;
+    if (!force.heat(static_cast<std::ptrdiff_t>(heats_.size()), heat.operation)) continue;
     const bool knows_velocities =
         heat.of_energy || force.traits.depends_on_velocity ||
         std::none_of(force.bodies.begin(), force.bodies.end(),

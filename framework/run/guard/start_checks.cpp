@@ -363,10 +363,10 @@ void warn_of_hot_baths(Check& check) {
     HottestBath bath(b);
     double barrier = 0.0;
     for (const Model::Force& force : check.model.forces()) {
-      force.bound->friction(bath);
+      force.friction->friction(bath);
       const double period = period_of(force, b, check.scene);
       if (!(period > 0.0)) continue;
-      const double curvature = force.bound->curvature_bound();  // negative: not known
+      const double curvature = force.curvature->curvature_bound();  // negative: not known
       const double amplitude = curvature * std::pow(period / kTau, 2);
       barrier = std::max(barrier, curvature < 0.0 ? kNoBound : 2.0 * amplitude);
     }
@@ -478,7 +478,7 @@ void warn_of_stiff_drivers(Check& check) {
     double shortest = std::numeric_limits<double>::infinity();
     for (const Model::Force& force : check.model.forces()) {
       const double period = period_of(force, driver.bodies.front(), check.scene);
-      const double curvature = force.bound->curvature_bound();
+      const double curvature = force.curvature->curvature_bound();
       if (period <= 0.0 || curvature <= 0.0) continue;
       const auto particles = check.model.bodies()[driver.bodies.front()].bound.slot.count;
       largest += curvature * period / kTau * static_cast<double>(particles);
@@ -486,7 +486,7 @@ void warn_of_stiff_drivers(Check& check) {
     }
     if (largest <= 0.0) continue;
     TotalFriction friction(driver.bodies.front());
-    for (const Model::Force& force : check.model.forces()) force.bound->friction(friction);
+    for (const Model::Force& force : check.model.forces()) force.friction->friction(friction);
     double square = 0.0;
     for (const double part : drive->velocity) square += part * part;
     largest = std::max(largest, friction.total * std::sqrt(square));

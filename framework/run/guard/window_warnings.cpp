@@ -37,7 +37,7 @@ DriverWindow driver_window(const Model& model, std::size_t driver, double from, 
   const Drive& drive = *model.drivers()[driver].drive;
   const bool reverses =
       std::any_of(model.forces().begin(), model.forces().end(), [&](const Model::Force& force) {
-        return force.name == name && force.bound->waits_for() != nullptr;
+        return force.name == name && force.control->waits_for() != nullptr;
       });
   DriverWindow window;
   window.driver = name;

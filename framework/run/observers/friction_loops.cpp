@@ -158,7 +158,7 @@ class FrictionLoops : public RunObserver {
   bool reverses(const Model::Driver& driver) const {
     const std::vector<Model::Force>& forces = parts_.run.model.forces();
     return std::any_of(forces.begin(), forces.end(), [&](const Model::Force& force) {
-      return force.name == driver.name && force.bound->waits_for() != nullptr;
+      return force.name == driver.name && force.control->waits_for() != nullptr;
     });
   }
 

@@ -52,7 +52,7 @@ class LongBonds : public RunObserver {
     const std::vector<Model::Force>& forces = parts_.run.model.forces();
     for (std::size_t k = 0; k < forces.size(); ++k) {
       if (long_[k] != 0) continue;
-      long_[k] = forces[k].bound->bond_beyond_half_box(stage).empty() ? 0 : 1;
+      long_[k] = forces[k].diagnosis->bond_beyond_half_box(stage).empty() ? 0 : 1;
     }
   }
 

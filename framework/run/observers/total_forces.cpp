@@ -28,7 +28,7 @@ void TotalForces::list_bodies_of(const Model::Force& force) {
                    [&](std::size_t b) { return wants(force, b); })) {
     return;
   }
-  const std::vector<Pass<double>> passes = force.bound->passes();
+  const std::vector<Pass<double>> passes = force.own_passes();
   std::set<std::size_t> bodies;
   for (const Pass<double>& pass : passes) {
     for (const Region& region : pass.writes) bodies.insert(region.body);

@@ -35,9 +35,7 @@ constexpr double kNearItsEnd = 0.05;
 class TimedForce {
  public:
   TimedForce(Model& model, const Model::Force& force)
-      : model_(model),
-        force_(force),
-        passes_(force.switched ? force.switched->inner().passes() : force.bound->passes()) {
+      : model_(model), force_(force), passes_(force.bound->passes()) {
     const SystemView<double>& view = model.system().view;
     const int axes = model.dimension();
     for (const Model::Body& body : model.bodies()) {
@@ -154,7 +152,7 @@ std::vector<TimeDependence> time_dependences(Model& model) {
   for (const Model::Force& force : model.forces()) {
     const Drive* drive = force.drive();
     if (!force.bound->depends_on_time() || (drive != nullptr && drive->steady)) continue;
-    if (force.bound->own_count() > 0 || force.is_operator) continue;
+    if (force.variables->own_count() > 0 || force.is_operator) continue;
     const auto timed = std::make_shared<TimedForce>(model, force);
     all.push_back({fmt::format("{}: its force", force.name), "force." + force.name,
                    timed->numbers(), timed->numbers(),

@@ -237,23 +237,24 @@ TEST(ManyForces, AreTheSumOfEachAlone) {
 // ---- planted faults
 
 /// A right force but for the kernel that sets: it leaves a number of its region as it was.
-class LeavesANumber : public BoundForce<double> {
+class LeavesANumber : public BoundForce<double>, public Driving {
  public:
   LeavesANumber(std::unique_ptr<BoundForce<double>> valid, const BoundBody<double>& body)
       : valid_(std::move(valid)), body_(body) {
     pass_ = valid_->passes().front();
+    driving_ = facet_of<Driving>(*valid_);
   }
 
   std::vector<Pass<double>> passes() override {
     return {{&set, &add, this, pass_.writes, pass_.rank}};
   }
-  std::size_t rate_count() const override { return valid_->rate_count(); }
-  void place_rates(std::ptrdiff_t first) override { valid_->place_rates(first); }
+  std::size_t rate_count() const override { return driving_->rate_count(); }
+  void place_rates(std::ptrdiff_t first) override { driving_->place_rates(first); }
   bool depends_on_time() const override { return valid_->depends_on_time(); }
   void begin_step(const DoubleDouble& time) override { valid_->begin_step(time); }
   void rebase(const Origin& origin) override { valid_->rebase(origin); }
   double energy(const Stage<double>& stage) const override { return valid_->energy(stage); }
-  const Drive* drive() const override { return valid_->drive(); }
+  const Drive* drive() const override { return driving_->drive(); }
 
  private:
   static void set(const void* arguments, const Stage<double>& stage) {
@@ -273,6 +274,7 @@ class LeavesANumber : public BoundForce<double> {
   }
 
   std::unique_ptr<BoundForce<double>> valid_;
+  Driving* driving_ = nullptr;
   BoundBody<double> body_;
   Pass<double> pass_;
 };

@@ -26,7 +26,7 @@ struct MaxwellDescription {
   double start = 0.0;
 };
 
-class BoundMaxwell : public BoundForce<double> {
+class BoundMaxwell : public BoundForce<double>, public InternalVariables<double> {
  public:
   BoundMaxwell(const MaxwellDescription& d, const Binding<double>& binding)
       : d_(d), body_(*binding.bodies.front()) {

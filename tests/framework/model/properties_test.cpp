@@ -223,7 +223,7 @@ TEST(Properties, HoldInSIUnits) { expect_valid(kInSIUnits.text()); }
 // ---- planted faults
 
 /// The forces of one description and the energy of another.
-class TwoFaced : public BoundForce<double> {
+class TwoFaced : public BoundForce<double>, public Diagnosis<double> {
  public:
   TwoFaced(std::unique_ptr<BoundForce<double>> pulls, std::unique_ptr<BoundForce<double>> stores)
       : pulls_(std::move(pulls)), stores_(std::move(stores)) {}
@@ -234,7 +234,9 @@ class TwoFaced : public BoundForce<double> {
     pulls_->rebase(origin);
     stores_->rebase(origin);
   }
-  double shortest_bond() const override { return stores_->shortest_bond(); }
+  double shortest_bond() const override {
+    return facet_of<Diagnosis<double>>(*stores_)->shortest_bond();
+  }
 
  private:
   std::unique_ptr<BoundForce<double>> pulls_;

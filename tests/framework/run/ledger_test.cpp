@@ -238,7 +238,7 @@ TEST(Ledger, DoesNotTouchTheMotion) {
 
 /// A valid damper whose heat is off by a factor.
 template <int percent>
-class FalseHeat : public BoundForce<double> {
+class FalseHeat : public BoundForce<double>, public FrictionCoefficients {
  public:
   explicit FalseHeat(std::unique_ptr<BoundForce<double>> valid) : valid_(std::move(valid)) {}
   std::vector<Pass<double>> passes() override { return valid_->passes(); }
@@ -248,7 +248,9 @@ class FalseHeat : public BoundForce<double> {
     operation = {&run, this};
     return true;
   }
-  void friction(FrictionSink& sink) const override { valid_->friction(sink); }
+  void friction(FrictionSink& sink) const override {
+    facet_of<FrictionCoefficients>(*valid_)->friction(sink);
+  }
 
  private:
   static void run(const void* self, const Stage<double>& stage) {

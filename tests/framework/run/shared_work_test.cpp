@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "framework/core/numbers/quad.hpp"
-#include "framework/core/records/neighbour_count.hpp"
+#include "framework/core/records/facets.hpp"
 #include "framework/core/system/thread_team.hpp"
 #include "framework/run/context.hpp"
 #include "framework/run/engine.hpp"
