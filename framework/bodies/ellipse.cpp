@@ -15,7 +15,7 @@ namespace {
 using Description = EllipseDescription;
 
 /// Ratio of the semi-axes below which arc lengths are not tested.
-constexpr double kThinnest = 1e-9;
+constexpr double kLeastAxisRatio = 1e-9;
 
 /// Carlson's symmetric integrals R_F(x, y, z) and R_D(x, y, z) for z > 0 and at most one 0.
 struct CarlsonIntegrals {
@@ -26,13 +26,13 @@ struct CarlsonIntegrals {
 /// Each duplication brings the arguments together by a factor of 4; what the series leaves out is
 /// of the sixth order in what they differ by.
 CarlsonIntegrals carlson_integrals(double x, double y, double z) {
-  constexpr double kTogether = 1e-3;
+  constexpr double kRelativeSpread = 1e-3;
   double sum = 0.0;
   double weight = 1.0;
   for (;;) {
     const double mean = (x + y + z) / 3.0;
     const double apart = max(abs(mean - x), max(abs(mean - y), abs(mean - z)));
-    if (apart < kTogether * mean) break;
+    if (apart < kRelativeSpread * mean) break;
     const double root_x = sqrt(x);
     const double root_y = sqrt(y);
     const double root_z = sqrt(z);
@@ -130,11 +130,11 @@ std::vector<Complaint> complaints(const Description& d, int dimension) {
                      .why = fmt::format("{} given", axes.size()),
                      .admissible = "two numbers, along its first and along its second axis",
                      .code = FaultCode::scene_wrong_count});
-  } else if (min(axes[0], axes[1]) < kThinnest * major(d)) {
+  } else if (min(axes[0], axes[1]) < kLeastAxisRatio * major(d)) {
     found.push_back(
         {.key = "semi_axes",
          .why = "the ellipse is so thin that arc lengths along it are not reliable",
-         .admissible = fmt::format("a ratio of at least {:g}; a chain is a line", kThinnest),
+         .admissible = fmt::format("a ratio of at least {:g}; a chain is a line", kLeastAxisRatio),
          .code = FaultCode::scene_out_of_range});
   }
   return found;

@@ -27,9 +27,9 @@ constexpr double kHalfOverRoot3 = 0.288675134594812882254574390251;
 
 /// By so much, relatively, sizes are widened: far more than rounding, and so little that it takes
 /// 1e9 particles to meet one that is outside for certain.
-constexpr double kWidened = 1e-9;
+constexpr double kSizeTolerance = 1e-9;
 
-std::int64_t whole_below(double x) { return static_cast<std::int64_t>(x * (1.0 + kWidened)); }
+std::int64_t whole_below(double x) { return static_cast<std::int64_t>(x * (1.0 + kSizeTolerance)); }
 
 /// The largest whole number whose square is at most n; -1 where n is negative.
 std::int64_t whole_root(std::int64_t n) {
@@ -155,11 +155,11 @@ bool has_sizes(const Description& d) {
 
 /// Beyond a number that no scene may have about as many as there are.
 std::int64_t count(const Description& d) {
-  constexpr double kCountable = 1e8;
-  constexpr double kMost = 1e18;
+  constexpr double kMostExactlyCounted = 1e8;
+  constexpr double kMostReported = 1e18;
   if (!has_sizes(d)) return 1;  // which complaints() reports
   const double about = (width_of(d) + 1.0) * (height_of(d) + 1.0);
-  if (about > kCountable) return static_cast<std::int64_t>(min(about, kMost));
+  if (about > kMostExactlyCounted) return static_cast<std::int64_t>(min(about, kMostReported));
   const FlakeRows rows(d);
   std::int64_t total = 0;
   for (std::int64_t v = rows.lowest(); v <= rows.highest(); ++v) total += rows.end(v) + 1;

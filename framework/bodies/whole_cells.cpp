@@ -12,16 +12,16 @@ namespace {
 
 constexpr double kMostCells = 1e15;
 constexpr double kMostCounted = 1e18;
-constexpr double kRounding = 1e-9;  // far more than that of a few operations
+constexpr double kLengthTolerance = 1e-9;  // far more than that of a few operations
 
 }  // namespace
 
 std::int64_t whole_cells(double length, double cell) {
-  const double cells = length / cell * (1.0 + kRounding);
+  const double cells = length / cell * (1.0 + kLengthTolerance);
   return cells >= 1.0 ? static_cast<std::int64_t>(min(cells, kMostCells)) : 0;
 }
 
-bool fills_box(double length, double box) { return abs(box - length) <= kRounding * length; }
+bool fills_box(double length, double box) { return abs(box - length) <= kLengthTolerance * length; }
 
 std::int64_t particles_in(std::int64_t per_cell, std::int64_t one, std::int64_t other) {
   const double about =

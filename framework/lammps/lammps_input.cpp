@@ -53,13 +53,9 @@ void check_bodies(const Scene& scene, std::vector<Fault>& faults) {
 }
 
 void check_run(const RunSettings& run, std::vector<Fault>& faults) {
-  const auto location = [](const auto& table, const char* key) {
-    const auto found = table.locations.find(key);
-    return found == table.locations.end() ? table.location : found->second;
-  };
   if (run.dynamics != Dynamics::inertial) {
-    faults.emplace_back(FaultCode::integrator_unsuitable, location(run, "dynamics"), "run.dynamics",
-                        fmt::format("\"{}\"", to_string(run.dynamics)),
+    faults.emplace_back(FaultCode::integrator_unsuitable, run.location_of("dynamics"),
+                        "run.dynamics", fmt::format("\"{}\"", to_string(run.dynamics)),
                         "LAMMPS is written for with inertia only", "\"inertial\"");
     return;
   }
@@ -67,7 +63,7 @@ void check_run(const RunSettings& run, std::vector<Fault>& faults) {
   if (run.accuracy || scheme.step == nullptr ||
       !(scheme.step(run.integrator.description.get()) > 0.0)) {
     faults.emplace_back(FaultCode::integrator_unsuitable,
-                        location(run, run.accuracy ? "accuracy" : "integrator"),
+                        run.location_of(run.accuracy ? "accuracy" : "integrator"),
                         run.accuracy ? "run.accuracy" : "run.integrator.type",
                         run.accuracy ? "" : "\"" + scheme.name + "\"", "LAMMPS needs a fixed step",
                         "--set 'run.integrator={type=\"velocity_verlet\",dt=STEP}'");

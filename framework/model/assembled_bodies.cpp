@@ -110,7 +110,7 @@ AssembledBody<Real> described(const SceneBody& from, std::size_t index, const As
 /// other along the axis.
 template <class Real>
 bool is_continued(const AssembledBody<Real>& body, int axis, double box) {
-  constexpr double kNear = 1.5;
+  constexpr double kMostBondRatio = 1.5;
   std::vector<double> positions;
   for (const auto& start : body.bound.start)
     positions.push_back(start[static_cast<std::size_t>(axis)]);
@@ -120,7 +120,7 @@ bool is_continued(const AssembledBody<Real>& body, int axis, double box) {
     widest = std::max(widest, positions[i] - positions[i - 1]);
   }
   return box > 0.0 && widest > 0.0 &&
-         box - (positions.back() - positions.front()) <= kNear * widest;
+         box - (positions.back() - positions.front()) <= kMostBondRatio * widest;
 }
 
 template <class Real>
@@ -153,7 +153,7 @@ void check(const AssembledBody<Real>& body, const SceneBody& from, const Assembl
 }
 
 /// A smaller moment, as a part of the largest, is that of a rod about its axis.
-constexpr double kThin = 1e-12;
+constexpr double kLeastMomentRatio = 1e-12;
 
 /// A body without extent (one particle) has no rotation to speak of.
 template <class Real>
@@ -189,7 +189,7 @@ void find_principal_axes(AssembledBody<Real>& body) {
   const double most = *std::max_element(body.moments.begin(), body.moments.end());
   for (std::size_t k = 0; k < 3; ++k) {
     const bool free = body.free_rotations == 3 || body.rotation_free[k];
-    if (!free || !(body.moments[k] > kThin * most)) body.moments[k] = 0.0;
+    if (!free || !(body.moments[k] > kLeastMomentRatio * most)) body.moments[k] = 0.0;
   }
   body.rotor = *std::max_element(body.moments.begin(), body.moments.end()) > 0.0;
 }

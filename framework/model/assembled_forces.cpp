@@ -27,9 +27,7 @@ Fault fault_of(const SceneForce& force, const Complaint& complaint) {
 namespace {
 
 Fault not_in_this_number_type(const RunSettings& run, const SceneForce& force) {
-  const auto location = run.locations.find("number_type");
-  return Fault(FaultCode::number_type_unsuitable,
-               location == run.locations.end() ? run.location : location->second, "run.number_type",
+  return Fault(FaultCode::number_type_unsuitable, run.location_of("number_type"), "run.number_type",
                fmt::format("\"{}\"", to_string(run.number_type)),
                "not available with the force \"" + force.name + "\", of type " + force.record->name,
                "\"double\"");

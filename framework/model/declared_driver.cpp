@@ -13,7 +13,7 @@ namespace tomlin {
 namespace {
 
 /// A force of a support is linear to this part of itself; formulas round some dozens of times.
-constexpr double kLinear = 1e-9;
+constexpr double kLinearityTolerance = 1e-9;
 /// Times at which the support is looked for, as parts of the run, after which a motion that is not
 /// steady shows itself: no two of their differences have a ratio of small integers, so that no
 /// period fits all.
@@ -34,7 +34,9 @@ double rounded(double x) {
   return result;
 }
 
-bool is_close(double a, double b, double scale) { return std::abs(a - b) <= kLinear * scale; }
+bool is_close(double a, double b, double scale) {
+  return std::abs(a - b) <= kLinearityTolerance * scale;
+}
 
 }  // namespace
 
@@ -212,7 +214,7 @@ void DeclaredDriver<Real>::find_support(const AssemblyPlan& plan,
           if (d != axis && !is_close(change, 0.0, size)) return;
           if (d != axis) continue;
           const double slope = -change / by;
-          if (by == reach) stiffness = std::abs(change) <= kLinear * size ? 0.0 : slope;
+          if (by == reach) stiffness = std::abs(change) <= kLinearityTolerance * size ? 0.0 : slope;
           if (!is_close(slope * by, stiffness * by, size)) return;
         }
       }

@@ -12,11 +12,11 @@ namespace {
 /// Modes are a full matrix, and finding them takes the cube of this.
 constexpr std::size_t kMostCoordinates = 256;
 /// Parts of the largest squared frequency that are rounding.
-constexpr double kRounding = 1e-12;
+constexpr double kLeastSquareRatio = 1e-12;
 /// Modes below this part of the largest squared frequency do not hold the shape.
-constexpr double kFloppy = 1e-9;
+constexpr double kLeastHoldingRatio = 1e-9;
 /// Parts by which friction rates of one body may differ.
-constexpr double kSameRate = 1e-12;
+constexpr double kRateTolerance = 1e-12;
 
 /// A symmetric matrix, diagonalised by Jacobi's rotations: plain loops, the same bits everywhere.
 class Jacobi {
@@ -235,9 +235,9 @@ std::string find_modes(const Body& body, std::vector<double> matrix, const doubl
   std::size_t pushed = 0;
   for (std::size_t j = 0; j < n; ++j) {
     // On a line bonds under pressure may push; that is left to the kicks.
-    const double square = matrix[j * n + j] > kRounding * most ? matrix[j * n + j] : 0.0;
-    if (matrix[j * n + j] <= kFloppy * most) ++loose;
-    if (matrix[j * n + j] < -kFloppy * most) ++pushed;
+    const double square = matrix[j * n + j] > kLeastSquareRatio * most ? matrix[j * n + j] : 0.0;
+    if (matrix[j * n + j] <= kLeastHoldingRatio * most) ++loose;
+    if (matrix[j * n + j] < -kLeastHoldingRatio * most) ++pushed;
     double pull = 0.0;
     for (std::size_t k = 0; k < n; ++k) {
       const std::size_t at =
@@ -301,7 +301,7 @@ std::vector<ElasticBody> elastic_bodies(Assembly<double>& assembly, std::string&
     elastic.friction_rate = coefficients.values.front() / elastic.mass.front();
     for (std::size_t i = 0; i < slot.count; ++i) {
       const double rate = coefficients.values[i] / elastic.mass[i];
-      if (std::abs(rate - elastic.friction_rate) > kSameRate * elastic.friction_rate) {
+      if (std::abs(rate - elastic.friction_rate) > kRateTolerance * elastic.friction_rate) {
         fault = "friction of the body \"" + body.bound.name +
                 "\" is not in proportion to its particles' masses";
         return {};

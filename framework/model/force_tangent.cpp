@@ -231,7 +231,7 @@ void ForceTangent::choose_matrix(const CouplingGraph& graph, std::size_t spread_
   columns_ = spread_terms;
   for (const std::size_t widest : widest_of_group) columns_ += widest;
   columns_ = std::min(columns_, n);
-  if (n <= kSmall || 2 * band + 1 >= n) band = n == 0 ? 0 : n - 1;
+  if (n <= kMostFullCoordinates || 2 * band + 1 >= n) band = n == 0 ? 0 : n - 1;
   if (n * band * band > kMostWork) {
     unknown_ = fmt::format(
         "forces couple {} coordinates, each with up to {} others: to solve for them would take "

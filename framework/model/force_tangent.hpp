@@ -32,7 +32,7 @@ class ForceTangent final : public Tangent {
   /// matrix of 600 coordinates.
   static constexpr std::size_t kMostWork = std::size_t{600} * 600 * 600;
   /// Matrices up to this size are kept full.
-  static constexpr std::size_t kSmall = 32;
+  static constexpr std::size_t kMostFullCoordinates = 32;
 
   explicit ForceTangent(Assembly<double>& assembly);
 

@@ -211,8 +211,8 @@ void FrictionMatrix<Real>::assign_rigid(const AssemblyPlan& plan, AssembledBody<
       about_pivot -= moment_of_friction * body.pivot[d];
     }
     // Friction at a single point lets the body turn freely about it.
-    constexpr double kNothing = 1e-12;
-    if (!(about_pivot > kNothing * static_cast<double>(second.total()))) {
+    constexpr double kLeastRotationRatio = 1e-12;
+    if (!(about_pivot > kLeastRotationRatio * static_cast<double>(second.total()))) {
       miss(plan, body, "the rotation");
     }
     body.response_of_rotation = 1.0 / about_pivot;
@@ -264,9 +264,10 @@ void FrictionMatrix<Real>::assign_noise(const AssemblyPlan& plan, const Assemble
       friction += coefficient[i];
     }
     const double temperature = total / friction;
-    constexpr double kSame = 1e-9;  // the temperatures of a bath, but for rounding
+    constexpr double kTemperatureTolerance = 1e-9;  // the temperatures of a bath, but for rounding
     for (std::size_t i = 0; i < slot.count; ++i) {
-      if (std::abs(warmth[i] - temperature * coefficient[i]) <= kSame * total) continue;
+      if (std::abs(warmth[i] - temperature * coefficient[i]) <= kTemperatureTolerance * total)
+        continue;
       refuse_noise(thermostat, "the temperature of its friction differs between particles",
                    "one temperature on a rigid body, or coordinates = \"particles\"");
       break;
@@ -348,10 +349,7 @@ AlignedVector<Real>& FrictionMatrix<Real>::new_array(std::size_t length, Real va
 template <class Real>
 void FrictionMatrix<Real>::miss(const AssemblyPlan& plan, const AssembledBody<Real>& body,
                                 const std::string& coordinate) {
-  const RunSettings& run = plan.scene->run;
-  const auto location = run.locations.find("dynamics");
-  faults_.emplace_back(FaultCode::matrix_singular,
-                       location == run.locations.end() ? run.location : location->second,
+  faults_.emplace_back(FaultCode::matrix_singular, plan.scene->run.location_of("dynamics"),
                        "run.dynamics", fmt::format("\"{}\"", to_string(Dynamics::overdamped)),
                        fmt::format("no friction on {} of body \"{}\": the friction matrix is not "
                                    "positive definite",

@@ -303,8 +303,8 @@ void Model::set_out(const Force& force, const DoubleDouble& time) {
   end->set_out(time, travel);
   if (!end->starts_at_point()) return;
   const SystemView<double>& view = system().view;
-  constexpr int kTwice = 2;  // the second time takes away what rounding has left
-  for (int k = 0; k < kTwice; ++k) {
+  // The second time takes away what rounding has left.
+  for (int k = 0; k < 2; ++k) {
     evaluate_at(time, view.position, view.velocity, view.integrals, rates_.data());
     for (std::size_t d = 0; d < axes; ++d) {
       const double stiffness = force.drive()->stiffness_on(static_cast<int>(d));
@@ -359,14 +359,14 @@ void Model::orient() {
 
 bool Model::reorient_if_needed() {
   /// In rad; p has no value for half a turn, and a step turns a body by a radian at most.
-  constexpr double kFar = 0.25;
+  constexpr double kLargestTurn = 0.25;
   bool changed = false;
   double* orientation = orientations_;
   for (const Body& body : bodies()) {
     if (!body.rotor) continue;
     double* const p = system().view.position + body.bound.slot.centre + 3;
     double* const rate = system().view.velocity + body.bound.slot.centre + 3;
-    if (p[0] * p[0] + p[1] * p[1] + p[2] * p[2] > kFar * kFar) {
+    if (p[0] * p[0] + p[1] * p[1] + p[2] * p[2] > kLargestTurn * kLargestTurn) {
       const Vec<double, 3> spin =
           angular_velocity<double>({{p[0], p[1], p[2]}}, {{rate[0], rate[1], rate[2]}});
       Quaternion from;
@@ -404,9 +404,9 @@ bool Model::rebase_if_needed() {
   for (int d = 0; d < dimension(); ++d) {
     const double unit = origin_.unit[d];
     if (unit == 0.0) continue;
-    constexpr double kFar = std::numeric_limits<double>::max();
-    double least = kFar;  // whole cells by which everything has moved forward
-    double most = -kFar;
+    // Whole cells by which everything has moved forward.
+    double least = std::numeric_limits<double>::max();
+    double most = -least;
     const auto moved = [&](double by) {
       least = std::min(least, by);
       most = std::max(most, by);

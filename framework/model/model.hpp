@@ -3,9 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -64,8 +62,6 @@ class Model {
   const std::vector<LeftOut>& left_out() const { return assembly_.left_out(); }
   /// Functions that read numbers off bodies, on the instruction set of the model.
   const ObserveTable& observe() const { return observe_; }
-  /// Index of friction's heat among the rates when it is an operator, with the ledger.
-  std::ptrdiff_t friction_rate() const { return assembly_.friction_rate(); }
   const Assembly<double>& assembly() const { return assembly_; }
   Assembly<double>& assembly() { return assembly_; }
   System<double>& system() { return assembly_.system(); }
@@ -139,37 +135,6 @@ class Model {
   double potential_energy(const DoubleDouble& time, const double* position, const double* velocity,
                           const double* integrals);
 
-  /// Bounds on the fastest motion about the start: angular frequency and damping rate, or without
-  /// inertia the relaxation rate.
-  struct Stiffness {
-    double frequency = 0.0;
-    double damping_rate = 0.0;
-    double least_damping_rate = 0.0;
-    double relaxation_rate = 0.0;
-    double spring_frequency = 0.0;  ///< of springs alone, without bounds on substrates
-  };
-  /// At the start; where energies change with time, the largest over the run.
-  Stiffness stiffness(bool without_bonds = false);
-  /// The largest of friction coefficients over masses; part of the stiffness.
-  double damping_rate() const;
-  /// Name of the force with the largest share in it.
-  std::string stiffest_force();
-  /// A bound of the slowest time that what is off its steady state decays in, but for what
-  /// substrates do: of variables of the forces' own, and of the modes about the start under springs
-  /// and friction, an underdamped mode's period included. 0: there is none. Nothing for more
-  /// coordinates than are looked at.
-  std::optional<double> slowest_time();
-
-  /// Fastest rotation of rigid bodies in space, about a principal axis; an angular velocity.
-  double fastest_spin() const;
-  /// The largest fixed step that this scheme is stable with; infinite when nothing limits it. May
-  /// return a lower bound that is easier to find if the bound is beyond `enough`.
-  double stable_step(const IntegratorRecord& scheme,
-                     double enough = std::numeric_limits<double>::infinity());
-  /// Steps of an adaptive scheme cannot exceed this for long, since friction and springs would make
-  /// them grow; infinite when nothing limits them. Generous: a lower bound of the cost.
-  double longest_lasting_step(const IntegratorRecord& scheme);
-
   /// Name of the body and particle that a coordinate belongs to, for messages.
   struct CoordinateName {
     std::string body;
@@ -177,11 +142,8 @@ class Model {
     std::string axis;
   };
   CoordinateName name_of(std::size_t coordinate) const;
-  /// Name of a prescribed body whose motion has no finite value at one of these times, or halfway.
-  std::optional<std::string> body_without_velocity(double from, double to) const;
 
  private:
-  Stiffness stiffness_at(double time, bool without_bonds);
   std::vector<std::string> structure() const;
   void require_same_parts(const FinalState& from) const;
   static AssemblyPlan plan_for(const Scene& scene, InstructionSet set, const Team* team);
@@ -194,8 +156,6 @@ class Model {
   void set_out(const Force& force, const DoubleDouble& time);
   void keep_shapes();
   void place_origin();
-  double share_of_stiffness(const Force& force, const Stage<double>& here);
-  bool is_substrate(const Force& force) const;
   Stage<double> stage(const double* position, const double* velocity, const double* integrals,
                       double* rates) const;
 

@@ -193,18 +193,4 @@ Model::CoordinateName Model::name_of(std::size_t coordinate) const {
   return {};
 }
 
-std::optional<std::string> Model::body_without_velocity(double from, double to) const {
-  for (const Body& body : bodies()) {
-    if (!body.prescribed()) continue;
-    for (const double at : {from, from + 0.5 * (to - from), to}) {
-      bool finite = std::isfinite(body.motion->angular_velocity(at));
-      for (const TimeFunction& function : body.motion->velocity) {
-        finite = finite && std::isfinite(function(at));
-      }
-      if (!finite) return body.bound.name;
-    }
-  }
-  return std::nullopt;
-}
-
 }  // namespace tomlin

@@ -8,12 +8,13 @@
 #include "framework/core/records/force.hpp"
 #include "framework/model/single_force.hpp"
 #include "framework/model/sliding.hpp"
+#include "framework/model/stability.hpp"
 
 namespace tomlin {
 namespace {
 
 /// Numbers that are equal but for rounding.
-constexpr double kEqual = 1e-9;
+constexpr double kEqualityTolerance = 1e-9;
 constexpr std::int64_t kLargestDenominator = 1000;
 
 /// The spacing of a body whose particles stand in equal steps along one axis; 0 for any other.
@@ -25,8 +26,8 @@ double spacing_along(const Model::Body& body, int axis) {
     for (std::size_t d = 0; d < 3; ++d) {
       const double step = start[i][d] - start[i - 1][d];
       const double expected = static_cast<int>(d) == axis ? spacing : 0.0;
-      const double size = std::abs(spacing) + kEqual * std::abs(start[i][d]);
-      if (std::abs(step - expected) > kEqual * size) return 0.0;
+      const double size = std::abs(spacing) + kEqualityTolerance * std::abs(start[i][d]);
+      if (std::abs(step - expected) > kEqualityTolerance * size) return 0.0;
     }
   }
   return std::abs(spacing);
@@ -48,7 +49,7 @@ void add_misfits(Scales& scales, const Model& model, const SceneForce& from,
 /// The damping is given in parts of the critical one.
 Regime regime_of(double ratio) {
   if (!(ratio > 0.0)) return Regime::undamped;
-  if (std::abs(ratio - 1.0) <= kEqual) return Regime::critically_damped;
+  if (std::abs(ratio - 1.0) <= kEqualityTolerance) return Regime::critically_damped;
   return ratio < 1.0 ? Regime::underdamped : Regime::overdamped;
 }
 
@@ -111,9 +112,9 @@ std::optional<Fraction> as_fraction(double ratio) {
   now.p = static_cast<std::int64_t>(std::floor(rest));
   while (now.q <= kLargestDenominator) {
     const double value = static_cast<double>(now.p) / static_cast<double>(now.q);
-    if (std::abs(value - ratio) <= kEqual * ratio) return now;
+    if (std::abs(value - ratio) <= kEqualityTolerance * ratio) return now;
     rest = 1.0 / (rest - std::floor(rest));
-    if (!(rest < 1.0 / kEqual)) return std::nullopt;
+    if (!(rest < 1.0 / kEqualityTolerance)) return std::nullopt;
     const auto whole = static_cast<std::int64_t>(std::floor(rest));
     const Fraction next{whole * now.p + last.p, whole * now.q + last.q};
     last = now;
@@ -131,14 +132,14 @@ Scales scales_of(const std::shared_ptr<const Scene>& scene) {
   model.start();
 
   Scales scales;
-  const Model::Stiffness all = model.stiffness();
+  const Stiffness all = stiffness_of(model);
   scales.frequency = all.frequency;
   scales.damping_rate = all.damping_rate;
-  scales.stiffest_force = model.stiffest_force();
+  scales.stiffest_force = stiffest_force_of(model);
   for (std::size_t k = 0; k < scene->forces.size(); ++k) {
     SingleForce alone(*scene, k);
     if (!alone.built()) continue;
-    const Model::Stiffness own = alone.model().stiffness();
+    const Stiffness own = stiffness_of(alone.model());
     ForceScale scale{alone.force().name,
                      own.frequency,
                      own.damping_rate,

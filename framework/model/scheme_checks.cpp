@@ -204,12 +204,11 @@ class SchemeChecks {
     if (!output.every || scheme_.step == nullptr) return;
     const double dt = scheme_.step(scene_.run.integrator.description.get());
     const double steps = *output.every / dt;
-    constexpr double kOnGrid = 1e-9;
-    if (std::round(steps) >= 1.0 && std::abs(steps - std::round(steps)) <= kOnGrid * steps) return;
-    const auto found = output.locations.find("every");
+    constexpr double kStepTolerance = 1e-9;
+    if (std::round(steps) >= 1.0 && std::abs(steps - std::round(steps)) <= kStepTolerance * steps)
+      return;
     faults_.emplace_back(
-        FaultCode::component_unsuitable,
-        found == output.locations.end() ? output.location : found->second, "output.every",
+        FaultCode::component_unsuitable, output.location_of("every"), "output.every",
         fmt::format("{}", *output.every),
         fmt::format("no multiple of the step {}: the force \"{}\" is {}, and samples fall on steps",
                     dt, force.name, force.traits.stochastic ? "stochastic" : "a thermostat"),
@@ -219,10 +218,7 @@ class SchemeChecks {
                     (std::max(1.0, std::floor(steps)) + 1.0) * dt));
   }
 
-  const SourceLocation& location_of(const char* key) const {
-    const auto found = scene_.run.locations.find(key);
-    return found == scene_.run.locations.end() ? scene_.run.location : found->second;
-  }
+  const SourceLocation& location_of(const char* key) const { return scene_.run.location_of(key); }
 
   void check_split_friction() {
     for (const Force& force : assembly_.forces()) {

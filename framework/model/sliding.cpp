@@ -16,11 +16,11 @@ namespace {
 
 /// Positions of a rigid shift over one period, and the difference that slopes are taken by: a
 /// sinusoid's largest slope is met to 1e-4 and taken to 1e-5.
-constexpr int kShifts = 200;
-constexpr double kDifference = 1e-3;  // of the period
+constexpr int kShiftsOfPeriod = 200;
+constexpr double kDifferenceOverPeriod = 1e-3;  // of the period
 /// Part of a spring's stiffness that slopes may differ by, or a force may add, where the spring
 /// counts as linear and alone: rounding of differences is far less, and s has four digits.
-constexpr double kSameSlope = 1e-6;
+constexpr double kSlopeTolerance = 1e-6;
 
 bool acts_on(const Model::Force& force, std::size_t body) {
   return std::find(force.bodies.begin(), force.bodies.end(), body) != force.bodies.end();
@@ -35,7 +35,8 @@ struct Slopes {
   double largest() const { return std::max(std::abs(least), std::abs(most)); }
   /// A linear spring that only pulls along the axis.
   bool linear() const {
-    return most < 0.0 && most - least <= kSameSlope * largest() && across <= kSameSlope * largest();
+    return most < 0.0 && most - least <= kSlopeTolerance * largest() &&
+           across <= kSlopeTolerance * largest();
   }
 };
 
@@ -51,10 +52,10 @@ Slopes slopes_of(SingleForce& alone, std::size_t body, int axis, double period) 
     alone.forces(0.0);
     return alone.wrench(body).force;
   };
-  const double h = kDifference * period;
+  const double h = kDifferenceOverPeriod * period;
   Slopes slopes;
-  for (int k = 0; k < kShifts; ++k) {
-    const double shift = period * (static_cast<double>(k) / kShifts - 0.5);
+  for (int k = 0; k < kShiftsOfPeriod; ++k) {
+    const double shift = period * (static_cast<double>(k) / kShiftsOfPeriod - 0.5);
     const auto ahead = force_at(shift + h);
     const auto behind = force_at(shift - h);
     for (int d = 0; d < 3; ++d) {
@@ -201,7 +202,7 @@ class Pull {
     if (!bond) return std::nullopt;
     const double softest = std::min(bond->second, sliding.driver_stiffness);
     for (const double other : others) {
-      if (!(other <= kSameSlope * softest)) return std::nullopt;
+      if (!(other <= kSlopeTolerance * softest)) return std::nullopt;
     }
     return bond;
   }

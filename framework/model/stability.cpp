@@ -1,3 +1,5 @@
+#include "framework/model/stability.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,9 +11,7 @@
 
 #include "framework/core/numbers/constants.hpp"
 #include "framework/core/system/tolerance.hpp"
-#include "framework/model/model.hpp"
 
-/// The largest stable step, from bounds on curvature and damping before the first step.
 namespace tomlin {
 namespace {
 
@@ -20,7 +20,7 @@ constexpr std::size_t kDenseLimit = 300;
 /// Up to so many the slowest one is: a second for a run that takes longer by far.
 constexpr std::size_t kDenseLimitOfSlowest = 1000;
 /// An eigenvalue below this part of the largest is zero: its mode is unconstrained.
-constexpr double kNeutral = 1e-12;
+constexpr double kLeastEigenvalueRatio = 1e-12;
 
 /// Second derivatives scaled by mass: M^(-1/2) H M^(-1/2), or its absolute row sums. Particles of a
 /// rigid body count by what they do to its centre and its rotation.
@@ -93,9 +93,8 @@ class ScaledHessian : public HessianSink {
 
   double largest() const {
     if (dense_) {
-      if (matrix_.rows() == 0) return 0.0;
-      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix_, Eigen::EigenvaluesOnly);
-      return std::max(0.0, solver.eigenvalues().maxCoeff());
+      const std::vector<double> all = eigenvalues();
+      return all.empty() ? 0.0 : std::max(0.0, *std::max_element(all.begin(), all.end()));
     }
     return rows_.empty() ? 0.0 : *std::max_element(rows_.begin(), rows_.end()) + common_;
   }
@@ -349,16 +348,16 @@ constexpr double kForever = std::numeric_limits<double>::infinity();
 /// own grows: 0 where the scheme is not known to have one. The growth of an analytic function is
 /// largest on the edge of the half disc, and changes smoothly along it.
 double damped_within(double (*growth)(std::complex<double> z)) {
-  constexpr double kReach = 2.4;  // of the classical scheme of order four it is 2.6
-  constexpr int kOnEdge = 32;
-  constexpr double kRoundings = 1.0 + 1e-12;
-  for (int k = 1; k <= kOnEdge; ++k) {
-    const double part = static_cast<double>(k) / kOnEdge;
+  constexpr double kLargestProvedStep = 2.4;  // of the classical scheme of order four it is 2.6
+  constexpr int kPointsOnEdge = 32;
+  constexpr double kMostGrowthByRounding = 1.0 + 1e-12;
+  for (int k = 1; k <= kPointsOnEdge; ++k) {
+    const double part = static_cast<double>(k) / kPointsOnEdge;
     const double angle = 0.5 * std::numbers::pi * (1.0 + part);
-    if (!(growth({0.0, kReach * part}) <= kRoundings)) return 0.0;
-    if (!(growth(std::polar(kReach, angle)) <= kRoundings)) return 0.0;
+    if (!(growth({0.0, kLargestProvedStep * part}) <= kMostGrowthByRounding)) return 0.0;
+    if (!(growth(std::polar(kLargestProvedStep, angle)) <= kMostGrowthByRounding)) return 0.0;
   }
-  return kReach;
+  return kLargestProvedStep;
 }
 
 /// The points of a sweep ask the same scheme again and again.
@@ -380,18 +379,18 @@ double stable_step_of(const IntegratorRecord& scheme, std::complex<double> mode,
   const double speed = std::abs(mode);
   if (!(speed > 0.0)) return most;
   // Growth of rounding, and of schemes that are neutral only to their order, is not instability.
-  constexpr double kTolerated = 1.0 + 1e-9;
-  const auto stable = [&](double h) { return scheme.growth(h * mode) <= kTolerated; };
+  constexpr double kMostNeutralGrowth = 1.0 + 1e-9;
+  const auto stable = [&](double h) { return scheme.growth(h * mode) <= kMostNeutralGrowth; };
   // March outwards in units of the mode's own time until it grows, then bisect.
-  constexpr double kMarch = 0.02;
-  constexpr double kFarthest = 50.0;
-  double high = kMarch;
-  while (high < kFarthest && (high < damped || stable(high / speed))) {
+  constexpr double kMarchStep = 0.02;
+  constexpr double kLargestMarch = 50.0;
+  double high = kMarchStep;
+  while (high < kLargestMarch && (high < damped || stable(high / speed))) {
     if (high / speed >= most) return most;
-    high += kMarch;
+    high += kMarchStep;
   }
-  if (high >= kFarthest) return most;
-  double low = high - kMarch;
+  if (high >= kLargestMarch) return most;
+  double low = high - kMarchStep;
   for (int pass = 0; pass < 60; ++pass) {
     const double middle = 0.5 * (low + high);
     (stable(middle / speed) ? low : high) = middle;
@@ -412,8 +411,8 @@ double stable_step_of(const IntegratorRecord& scheme, double omega, double gamma
 
 /// Whether there are steps at which an undamped oscillation does not grow.
 bool stable_without_friction(const IntegratorRecord& scheme) {
-  constexpr double kShort = 0.1;  // h omega
-  return stable_step_of(scheme, 1.0, 0.0) > kShort;
+  constexpr double kLeastStableStep = 0.1;  // in units of 1/omega
+  return stable_step_of(scheme, 1.0, 0.0) > kLeastStableStep;
 }
 
 /// Effect of forces' internal variables on the motion: how fast they decay by themselves, and the
@@ -429,7 +428,7 @@ struct OwnModes {
 class OwnResponse {
  public:
   explicit OwnResponse(Model& model)
-      : change(kPart * unit_of_velocity(model)),
+      : change(kRelativeVelocityChange * unit_of_velocity(model)),
         own(model.system().view.integrals,
             model.system().view.integrals + model.system().view.rates),
         model_(model),
@@ -462,7 +461,7 @@ class OwnResponse {
   std::vector<double> force;  ///< at the start
 
  private:
-  static constexpr double kPart = 1e-6;
+  static constexpr double kRelativeVelocityChange = 1e-6;
   static double unit_of_velocity(const Model& model) {
     const ToleranceScales<double> scales = tolerance_scales(model.system().view);
     return scales.length / scales.time;
@@ -578,56 +577,39 @@ double response_to_sites(const Model& model, const Model::Body& body, double cur
   return curvature * most;
 }
 
-}  // namespace
-
-Model::Stiffness Model::stiffness(bool without_bonds) {
-  constexpr int kTimes = 32;  // of energies that change with time, over the run
-  const bool changes = std::any_of(forces().begin(), forces().end(), [](const Force& force) {
-    const Traits& traits = force.traits;
-    return traits.depends_on_time && traits.conservative && !traits.does_work;
-  });
-  Stiffness most = stiffness_at(0.0, without_bonds);
-  if (!changes) return most;
-  for (int k = 1; k <= kTimes; ++k) {
-    // Positions that no period of the scene hits again and again.
-    const double turn = 0.6180339887498949 * k;
-    const Stiffness one =
-        stiffness_at((turn - std::floor(turn)) * scene().run.duration, without_bonds);
-    most.frequency = std::max(most.frequency, one.frequency);
-    most.spring_frequency = std::max(most.spring_frequency, one.spring_frequency);
-    most.relaxation_rate = std::max(most.relaxation_rate, one.relaxation_rate);
-  }
-  return most;
+/// Kernels may read a group past the end.
+AlignedVector<double> rates_for(const Model& model) {
+  return AlignedVector<double>(model.system().view.rates + 2 * kGroup, 0.0);
 }
 
-double Model::damping_rate() const {
-  DampingRates damping(*this);
-  for (const Force& force : forces()) force.friction->friction(damping);
-  return damping.largest();
+Stage<double> stage_at_state(const Model& model, AlignedVector<double>& rates) {
+  const SystemView<double>& view = model.system().view;
+  return stage_of(view, view.position, view.velocity, view.integrals, rates.data(), 0.0);
 }
 
-Model::Stiffness Model::stiffness_at(double time, bool without_bonds) {
-  const SystemView<double>& view = system().view;
-  evaluate_at(DoubleDouble(time), view.position, view.velocity, view.integrals, rates_.data());
-  const Stage<double> here = stage(view.position, view.velocity, view.integrals, rates_.data());
-  const DoubleDouble anchored = anchor_;
-  anchor(DoubleDouble(time));
-  ScaledHessian springs(*this, coordinate_count() <= kDenseLimit);
-  DampingRates damping(*this);
-  std::vector<double> site_bounds(bodies().size(), 0.0);
-  for (const Force& force : forces()) {
-    if (without_bonds && is_bonds(assembly_, force)) continue;
+Stiffness stiffness_at(Model& model, double time, bool without_bonds) {
+  const SystemView<double>& view = model.system().view;
+  AlignedVector<double> rates = rates_for(model);
+  model.evaluate_at(DoubleDouble(time), view.position, view.velocity, view.integrals, rates.data());
+  const Stage<double> here = stage_at_state(model, rates);
+  const DoubleDouble anchored = model.anchor_time();
+  model.anchor(DoubleDouble(time));
+  ScaledHessian springs(model, model.coordinate_count() <= kDenseLimit);
+  DampingRates damping(model);
+  std::vector<double> site_bounds(model.bodies().size(), 0.0);
+  for (const Model::Force& force : model.forces()) {
+    if (without_bonds && is_bonds(model.assembly(), force)) continue;
     const double bound = force.curvature->curvature_bound();
     if (bound >= 0.0) {
       for (const std::size_t b : force.bodies) {
-        site_bounds[b] += response_to_sites(*this, bodies()[b], bound);
+        site_bounds[b] += response_to_sites(model, model.bodies()[b], bound);
       }
     } else {
       force.curvature->hessian(here, springs);
     }
     force.friction->friction(damping);
   }
-  anchor(anchored);
+  model.anchor(anchored);
   const double fastest =
       springs.largest() + *std::max_element(site_bounds.begin(), site_bounds.end());
   if (!view.inertial) return {.relaxation_rate = fastest};
@@ -637,24 +619,85 @@ Model::Stiffness Model::stiffness_at(double time, bool without_bonds) {
           .spring_frequency = std::sqrt(springs.largest())};
 }
 
-std::optional<double> Model::slowest_time() {
-  if (coordinate_count() > kDenseLimitOfSlowest) return std::nullopt;
-  const SystemView<double>& view = system().view;
-  const OwnDecay own = own_decay(*this);
-  evaluate_at(DoubleDouble(0.0), view.position, view.velocity, view.integrals, rates_.data());
-  const Stage<double> here = stage(view.position, view.velocity, view.integrals, rates_.data());
-  ScaledHessian springs(*this, true);
-  DampingRates damping(*this);
-  for (const Force& force : forces()) {
+/// Repeats itself along an axis: what moves over it sees its mean.
+bool is_substrate(const Model& model, const Model::Force& force) {
+  for (const SceneForce& one : model.scene().forces) {
+    if (one.name != force.name) continue;
+    for (int d = 0; d < model.dimension(); ++d) {
+      if (one.record->period(one.description.get(), d) > 0.0) return true;
+    }
+  }
+  return false;
+}
+
+double share_of_stiffness(const Model& model, const Model::Force& force,
+                          const Stage<double>& here) {
+  double share = 0.0;
+  const double bound = force.curvature->curvature_bound();
+  if (bound >= 0.0) {
+    for (const std::size_t b : force.bodies) {
+      share = std::max(share, response_to_sites(model, model.bodies()[b], bound));
+    }
+  } else {
+    ScaledHessian alone(model, model.coordinate_count() <= kDenseLimit);
+    force.curvature->hessian(here, alone);
+    share = alone.largest();
+  }
+  if (!model.system().view.inertial) return share;
+  DampingRates damping(model);
+  force.friction->friction(damping);
+  add_friction_bound(model, force, damping);
+  return std::max(share, damping.largest() * damping.largest());
+}
+
+}  // namespace
+
+Stiffness stiffness_of(Model& model, bool without_bonds) {
+  constexpr int kTimes = 32;  // of energies that change with time, over the run
+  const bool changes =
+      std::any_of(model.forces().begin(), model.forces().end(), [](const Model::Force& force) {
+        const Traits& traits = force.traits;
+        return traits.depends_on_time && traits.conservative && !traits.does_work;
+      });
+  Stiffness most = stiffness_at(model, 0.0, without_bonds);
+  if (!changes) return most;
+  for (int k = 1; k <= kTimes; ++k) {
+    // Positions that no period of the scene hits again and again.
+    const double turn = 0.6180339887498949 * k;
+    const Stiffness one =
+        stiffness_at(model, (turn - std::floor(turn)) * model.scene().run.duration, without_bonds);
+    most.frequency = std::max(most.frequency, one.frequency);
+    most.spring_frequency = std::max(most.spring_frequency, one.spring_frequency);
+    most.relaxation_rate = std::max(most.relaxation_rate, one.relaxation_rate);
+  }
+  return most;
+}
+
+double damping_rate_of(const Model& model) {
+  DampingRates damping(model);
+  for (const Model::Force& force : model.forces()) force.friction->friction(damping);
+  return damping.largest();
+}
+
+std::optional<double> slowest_time_of(Model& model) {
+  if (model.coordinate_count() > kDenseLimitOfSlowest) return std::nullopt;
+  const SystemView<double>& view = model.system().view;
+  const OwnDecay own = own_decay(model);
+  AlignedVector<double> rates = rates_for(model);
+  model.evaluate_at(DoubleDouble(0.0), view.position, view.velocity, view.integrals, rates.data());
+  const Stage<double> here = stage_at_state(model, rates);
+  ScaledHessian springs(model, true);
+  DampingRates damping(model);
+  for (const Model::Force& force : model.forces()) {
     force.friction->friction(damping);
-    if (force.curvature->curvature_bound() < 0.0 && !is_substrate(force)) {
+    if (force.curvature->curvature_bound() < 0.0 && !is_substrate(model, force)) {
       force.curvature->hessian(here, springs);
     }
   }
   const std::vector<double> squares = springs.eigenvalues();
   double slowest = own.slowest;
   if (squares.empty()) return slowest;
-  const double nothing = kNeutral * *std::max_element(squares.begin(), squares.end());
+  const double nothing = kLeastEigenvalueRatio * *std::max_element(squares.begin(), squares.end());
   for (const double square : squares) {
     if (!view.inertial) {
       if (square > nothing) slowest = std::max(slowest, 1.0 / square);
@@ -671,43 +714,13 @@ std::optional<double> Model::slowest_time() {
   return slowest;
 }
 
-/// Repeats itself along an axis: what moves over it sees its mean.
-bool Model::is_substrate(const Force& force) const {
-  for (const SceneForce& one : scene().forces) {
-    if (one.name != force.name) continue;
-    for (int d = 0; d < dimension(); ++d) {
-      if (one.record->period(one.description.get(), d) > 0.0) return true;
-    }
-  }
-  return false;
-}
-
-double Model::share_of_stiffness(const Force& force, const Stage<double>& here) {
-  double share = 0.0;
-  const double bound = force.curvature->curvature_bound();
-  if (bound >= 0.0) {
-    for (const std::size_t b : force.bodies) {
-      share = std::max(share, response_to_sites(*this, bodies()[b], bound));
-    }
-  } else {
-    ScaledHessian alone(*this, coordinate_count() <= kDenseLimit);
-    force.curvature->hessian(here, alone);
-    share = alone.largest();
-  }
-  if (!system().view.inertial) return share;
-  DampingRates damping(*this);
-  force.friction->friction(damping);
-  add_friction_bound(*this, force, damping);
-  return std::max(share, damping.largest() * damping.largest());
-}
-
-std::string Model::stiffest_force() {
-  const SystemView<double>& view = system().view;
-  const Stage<double> here = stage(view.position, view.velocity, view.integrals, rates_.data());
+std::string stiffest_force_of(const Model& model) {
+  AlignedVector<double> rates = rates_for(model);
+  const Stage<double> here = stage_at_state(model, rates);
   std::string name;
   double most = 0.0;
-  for (const Force& force : forces()) {
-    const double share = share_of_stiffness(force, here);
+  for (const Model::Force& force : model.forces()) {
+    const double share = share_of_stiffness(model, force, here);
     if (share > most) {
       most = share;
       name = force.name;
@@ -716,29 +729,29 @@ std::string Model::stiffest_force() {
   return name;
 }
 
-double Model::fastest_spin() const {
+double fastest_spin_of(const Model& model) {
   double fastest = 0.0;
-  for (const Body& body : bodies()) {
+  for (const Model::Body& body : model.bodies()) {
     if (!body.rotor) continue;
-    const double* u = system().view.velocity + body.bound.slot.centre + 3;
+    const double* u = model.system().view.velocity + body.bound.slot.centre + 3;
     for (int k = 0; k < 3; ++k) fastest = std::max(fastest, std::abs(u[k]));
   }
   return fastest;
 }
 
-double Model::stable_step(const IntegratorRecord& scheme, double enough) {
+double stable_step_of(Model& model, const IntegratorRecord& scheme, double enough) {
   if (scheme.adaptive) return kForever;
-  Stiffness fastest = stiffness(scheme.splits_bonds);
+  Stiffness fastest = stiffness_of(model, scheme.splits_bonds);
   const double damped = scheme.stable_step == nullptr ? damped_within(scheme) : 0.0;
-  if (!system().view.inertial) {
+  if (!model.system().view.inertial) {
     const double known = damped / fastest.relaxation_rate;
     return known > enough ? known : stable_step_of(scheme, -fastest.relaxation_rate);
   }
-  const OwnModes own = own_modes(*this);
+  const OwnModes own = own_modes(model);
   fastest.frequency = std::sqrt(fastest.frequency * fastest.frequency + own.square);
-  fastest.damping_rate = std::max(largest_damping_rate(*this), own.rate);
+  fastest.damping_rate = std::max(largest_damping_rate(model), own.rate);
   // Slower modes meet the same damping: the worst of a range of frequencies counts.
-  const double spin = fastest_spin();
+  const double spin = fastest_spin_of(model);
   double largest = spin > 0.0 ? kLargestRotation / spin : kForever;
   // No root of y'' = -omega^2 y - gamma y' is larger than both omega and gamma.
   const double known = damped / std::max(fastest.frequency, fastest.damping_rate);
@@ -754,14 +767,14 @@ double Model::stable_step(const IntegratorRecord& scheme, double enough) {
   return stable_step_of(scheme, fastest.frequency, least, largest, damped);
 }
 
-double Model::longest_lasting_step(const IntegratorRecord& scheme) {
-  constexpr double kGenerous = 2.0;
-  if (scheme.growth == nullptr || !system().view.inertial) return kForever;
-  const Stiffness fastest = stiffness();
+double longest_lasting_step_of(Model& model, const IntegratorRecord& scheme) {
+  constexpr double kMarginOfBound = 2.0;
+  if (scheme.growth == nullptr || !model.system().view.inertial) return kForever;
+  const Stiffness fastest = stiffness_of(model);
   // Whatever springs do, the two rates of a damped coordinate add up to its friction's.
   const double by_friction = stable_step_of(scheme, {-0.5 * fastest.damping_rate, 0.0});
   const double by_springs = stable_step_of(scheme, fastest.spring_frequency, fastest.damping_rate);
-  return kGenerous * std::min(by_friction, by_springs);
+  return kMarginOfBound * std::min(by_friction, by_springs);
 }
 
 }  // namespace tomlin

@@ -129,9 +129,7 @@ void require_room(const Scene& scene, const OutputSize& size, double room) {
     fault.admissible = "a folder with more room";
     throw InputError({fault});
   }
-  const auto location = scene.output.locations.find("every");
-  fault.location =
-      location == scene.output.locations.end() ? scene.output.location : location->second;
+  fault.location = scene.output.location_of("every");
   fault.key = "output.every";
   fault.value = fmt::format("{:g}", *scene.output.every);
   fault.why = fmt::format("the run would write {}{:.10g} rows, up to {}; {}",

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "framework/model/stability.hpp"
 #include "framework/run/context.hpp"
 #include "framework/run/events/triggers.hpp"
 #include "framework/run/guard/start_checks.hpp"
@@ -147,9 +148,7 @@ void Engine::Parts::begin() {
 void Engine::Parts::check_observables() {
   const MeasureSettings& measure = run.scene->measure;
   if (measure.observables.empty() || !run.options.observables.empty()) return;
-  const auto found = measure.locations.find("observables");
-  const SourceLocation& location =
-      found == measure.locations.end() ? measure.location : found->second;
+  const SourceLocation& location = measure.location_of("observables");
   const RunResult asked = result();
   for (const std::string& path : measure.observables) {
     try {
@@ -367,7 +366,7 @@ RunContext& Engine::context() { return parts_->run; }
 Model& Engine::model() { return parts_->run.model; }
 RunState& Engine::state() { return parts_->run.state; }
 Integrator<double>& Engine::integrator() { return *parts_->run.integrator; }
-double Engine::stable_step() const { return parts_->run.model.stable_step(parts_->run.scheme); }
+double Engine::stable_step() const { return stable_step_of(parts_->run.model, parts_->run.scheme); }
 std::optional<SampledWork> Engine::sampled_work() const {
   return parts_->balance ? parts_->balance->found() : std::nullopt;
 }

@@ -131,24 +131,33 @@ std::optional<WrongValue> wrong_index(const std::string& pair, std::int64_t inde
       fmt::format("{}: indices of {} are 0 to {}", pair, quoted_text(body.name), *body.count - 1)};
 }
 
-/// Pairs within a body; either order is the same pair.
-std::optional<WrongValue> wrong_pairs(const PairSelection& pairs, const BodyDraft& body) {
-  std::set<std::array<std::int64_t, 2>> seen;
-  for (const auto& [first, second] : pairs.list) {
-    const std::string pair = fmt::format("pair [{}, {}]", first, second);
-    if (std::min(first, second) < 0 || std::max(first, second) >= *body.count) {
+/// Indices of different particles of a body, in messages a `kind`: pairs or angles, of which the
+/// opposite order is the same one.
+template <std::size_t N>
+std::optional<WrongValue> wrong_tuples(const std::vector<std::array<std::int64_t, N>>& tuples,
+                                       const char* kind, const char* repeated,
+                                       const BodyDraft& body) {
+  std::set<std::array<std::int64_t, N>> seen;
+  for (std::array<std::int64_t, N> tuple : tuples) {
+    const std::string written = fmt::format("{} [{}]", kind, fmt::join(tuple, ", "));
+    const auto [least, most] = std::minmax_element(tuple.begin(), tuple.end());
+    if (*least < 0 || *most >= *body.count) {
       return WrongValue{FaultCode::scene_out_of_range,
-                        fmt::format("{}: indices are 0 to {}", pair, *body.count - 1)};
+                        fmt::format("{}: indices are 0 to {}", written, *body.count - 1)};
     }
-    if (first == second) {
-      return WrongValue{FaultCode::component_invalid,
-                        pair + ": a particle cannot be paired with itself"};
+    if (std::set<std::int64_t>(tuple.begin(), tuple.end()).size() < N) {
+      return WrongValue{FaultCode::component_invalid, written + repeated};
     }
-    if (!seen.insert({std::min(first, second), std::max(first, second)}).second) {
-      return WrongValue{FaultCode::scene_duplicate_key, pair + " is given twice"};
+    if (tuple.front() > tuple.back()) std::swap(tuple.front(), tuple.back());
+    if (!seen.insert(tuple).second) {
+      return WrongValue{FaultCode::scene_duplicate_key, written + " is given twice"};
     }
   }
   return std::nullopt;
+}
+
+std::optional<WrongValue> wrong_pairs(const PairSelection& pairs, const BodyDraft& body) {
+  return wrong_tuples(pairs.list, "pair", ": a particle cannot be paired with itself", body);
 }
 
 /// Throws where the pairs that a body lists as neighbours are none of its own.
@@ -180,26 +189,6 @@ std::optional<WrongValue> wrong_pairs(const PairSelection& pairs, const BodyDraf
   return std::nullopt;
 }
 
-/// Triples of different particles of a body; either direction is the same angle.
-std::optional<WrongValue> wrong_angles(const AngleSelection& angles, const BodyDraft& body) {
-  std::set<std::array<std::int64_t, 3>> seen;
-  for (const auto& [first, middle, last] : angles.list) {
-    const std::string angle = fmt::format("angle [{}, {}, {}]", first, middle, last);
-    if (std::min({first, middle, last}) < 0 || std::max({first, middle, last}) >= *body.count) {
-      return WrongValue{FaultCode::scene_out_of_range,
-                        fmt::format("{}: indices are 0 to {}", angle, *body.count - 1)};
-    }
-    if (first == middle || middle == last || first == last) {
-      return WrongValue{FaultCode::component_invalid,
-                        angle + ": an angle has three different particles"};
-    }
-    if (!seen.insert({std::min(first, last), middle, std::max(first, last)}).second) {
-      return WrongValue{FaultCode::scene_duplicate_key, angle + " is given twice"};
-    }
-  }
-  return std::nullopt;
-}
-
 template <class Values>
 std::size_t entries_of(const Values& given) {
   return given.values.size();
@@ -223,7 +212,8 @@ std::optional<WrongValue> wrong_for_body(const ParameterValue& value, const Body
         } else if constexpr (std::is_same_v<Kind, PairSelection>) {
           return wrong_pairs(given, body);
         } else if constexpr (std::is_same_v<Kind, AngleSelection>) {
-          return wrong_angles(given, body);
+          return wrong_tuples(given.list, "angle", ": an angle has three different particles",
+                              body);
         } else if constexpr (std::is_same_v<Kind, Attachment>) {
           if (given.kind != Attachment::Kind::particle) return std::nullopt;
           if (given.particle >= 0 && given.particle < count) return std::nullopt;
@@ -272,28 +262,6 @@ std::vector<const BodyDraft*> counted_bodies(const std::vector<std::size_t>& ind
   return counted;
 }
 
-/// Whether each body's ends are joined; known of valid ones only.
-std::vector<bool> closed_bodies(const std::vector<BodyDraft>& bodies,
-                                const std::array<double, 3>& box, int dimension) {
-  std::vector<bool> closed(bodies.size(), false);
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    if (!bodies[i].valid) continue;
-    const BodyEnds ends = bodies[i].record->ends(bodies[i].description.get(), dimension);
-    const int axis = ends.open_along;
-    const bool by_box = axis >= 0 && box[static_cast<std::size_t>(axis)] > 0.0;
-    closed[i] = ends.closed || by_box;
-  }
-  return closed;
-}
-
-std::array<double, 3> periodic_lengths(const BoxSettings& box) {
-  std::array<double, 3> lengths{};
-  for (std::size_t axis = 0; axis < box.lengths.size(); ++axis) {
-    if (box.periodic[axis]) lengths[axis] = box.lengths[axis];
-  }
-  return lengths;
-}
-
 /// Each once.
 std::vector<std::string> species_of(const BodyDraft& body) {
   std::vector<std::string> species = body.record->common(body.description.get()).species.names;
@@ -302,24 +270,47 @@ std::vector<std::string> species_of(const BodyDraft& body) {
   return species;
 }
 
-/// Outline of these bodies; nothing when one of them is not valid or was not found.
-std::optional<SceneOutline> outline_for(const std::vector<std::size_t>& indices,
-                                        const std::vector<BodyDraft>& bodies,
-                                        const std::vector<bool>& closed,
-                                        const std::array<double, 3>& box, int dimension) {
-  if (indices.empty()) return std::nullopt;
-  SceneOutline outline;
-  outline.dimension = dimension;
-  outline.box = box;
-  for (const std::size_t index : indices) {
-    const BodyDraft& body = bodies[index];
-    if (!body.valid || !body.count) return std::nullopt;
-    outline.bodies.push_back({body.name, *body.count, closed[index],
-                              neighbour_list(*body.record, body.description, box),
-                              species_of(body)});
+/// Bodies in a box, as forces and observers are told of them.
+class Outlines {
+ public:
+  /// Without box or dimension nothing is known of any body.
+  Outlines(const std::vector<BodyDraft>& bodies, const BoxSettings* box,
+           std::optional<int> dimension)
+      : bodies_(bodies), dimension_(dimension), known_(dimension && box) {
+    for (std::size_t axis = 0; known_ && axis < box->lengths.size(); ++axis) {
+      if (box->periodic[axis]) box_[axis] = box->lengths[axis];
+    }
   }
-  return outline;
-}
+
+  /// Outline of these bodies; nothing when one of them is not valid or was not found.
+  std::optional<SceneOutline> of(const std::vector<std::size_t>& indices) const {
+    if (!known_ || indices.empty()) return std::nullopt;
+    SceneOutline outline;
+    outline.dimension = *dimension_;
+    outline.box = box_;
+    for (const std::size_t index : indices) {
+      const BodyDraft& body = bodies_[index];
+      if (!body.valid || !body.count) return std::nullopt;
+      outline.bodies.push_back({body.name, *body.count, is_closed(body),
+                                neighbour_list(*body.record, body.description, box_),
+                                species_of(body)});
+    }
+    return outline;
+  }
+
+ private:
+  /// Whether the body's ends are joined, by itself or through the box.
+  bool is_closed(const BodyDraft& body) const {
+    const BodyEnds ends = body.record->ends(body.description.get(), *dimension_);
+    const int axis = ends.open_along;
+    return ends.closed || (axis >= 0 && box_[static_cast<std::size_t>(axis)] > 0.0);
+  }
+
+  const std::vector<BodyDraft>& bodies_;
+  std::optional<int> dimension_;
+  bool known_;
+  std::array<double, 3> box_{};  ///< lengths of the periodic axes
+};
 
 bool is_fault(const Complaint& complaint) {
   return kind_of(complaint.code).severity == Severity::error;
@@ -400,17 +391,14 @@ void check_bodies(std::vector<BodyDraft>& bodies, std::optional<int> dimension, 
 
 void check_forces(std::vector<ForceDraft>& forces, const std::vector<BodyDraft>& bodies,
                   const BoxSettings* box, std::optional<int> dimension, FaultList& faults) {
-  const bool bodies_are_known = dimension && box;
-  const auto lengths = bodies_are_known ? periodic_lengths(*box) : std::array<double, 3>{};
-  const auto closed =
-      bodies_are_known ? closed_bodies(bodies, lengths, *dimension) : std::vector<bool>();
+  const Outlines outlines(bodies, box, dimension);
   PairCount pairs;
   for (ForceDraft& force : forces) {
     if (force.record == nullptr) continue;
     const auto counted = counted_bodies(force.bodies, bodies);
     if (!check_values(force.reading, dimension, counted, faults)) force.valid = false;
-    if (!force.valid || !bodies_are_known) continue;
-    auto outline = outline_for(force.bodies, bodies, closed, lengths, *dimension);
+    if (!force.valid) continue;
+    auto outline = outlines.of(force.bodies);
     if (!outline) continue;
     outline->units = force.reading.units;
     bool fits = false;
@@ -437,16 +425,13 @@ void check_forces(std::vector<ForceDraft>& forces, const std::vector<BodyDraft>&
 
 void check_observers(std::vector<ObserverDraft>& observers, const std::vector<BodyDraft>& bodies,
                      const BoxSettings* box, std::optional<int> dimension, FaultList& faults) {
-  const bool bodies_are_known = dimension && box;
-  const auto lengths = bodies_are_known ? periodic_lengths(*box) : std::array<double, 3>{};
-  const auto closed =
-      bodies_are_known ? closed_bodies(bodies, lengths, *dimension) : std::vector<bool>();
+  const Outlines outlines(bodies, box, dimension);
   for (ObserverDraft& observer : observers) {
     if (observer.record == nullptr) continue;
     const auto counted = counted_bodies(observer.bodies, bodies);
     if (!check_values(observer.reading, dimension, counted, faults)) observer.valid = false;
-    if (!observer.valid || !bodies_are_known) continue;
-    const auto outline = outline_for(observer.bodies, bodies, closed, lengths, *dimension);
+    if (!observer.valid) continue;
+    const auto outline = outlines.of(observer.bodies);
     if (!outline) continue;
     const auto complaints = complaints_of(*observer.record, [&] {
       return observer.record->complaints(observer.description.get(), *outline);

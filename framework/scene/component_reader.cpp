@@ -40,8 +40,7 @@ std::string read_name(SceneDraft& draft, const SceneSection& given,
   }
   const auto* name = node->as<std::string>();
   if (name == nullptr) {
-    draft.faults.of_value(*node,
-                          {FaultCode::scene_wrong_type, key, "found " + kind_of(*node), "text"});
+    draft.faults.of_wrong_type(*node, key, "text");
   } else if (!is_component_name(*name)) {
     draft.faults.of_value(*node, {FaultCode::scene_invalid_name, key, "not a name",
                                   "letters, digits, _ and -, the first a letter or _"});
@@ -177,8 +176,7 @@ void note_name(SceneDraft& draft, const BodyDraft& body, const SceneSection& giv
 std::optional<std::size_t> body_named(SceneDraft& draft, const Node& node, const std::string& key) {
   const auto* name = node.as<std::string>();
   if (name == nullptr) {
-    draft.faults.of_value(
-        node, {FaultCode::scene_wrong_type, key, "found " + kind_of(node), "the name of a body"});
+    draft.faults.of_wrong_type(node, key, "the name of a body");
     return std::nullopt;
   }
   const auto found = draft.body_indices.find(*name);
@@ -327,8 +325,7 @@ std::optional<std::size_t> read_type(SceneDraft& draft, const std::string& kind,
   }
   const auto* type = node->as<std::string>();
   if (type == nullptr) {
-    draft.faults.of_value(*node, {FaultCode::scene_wrong_type, key, "found " + kind_of(*node),
-                                  listed(in_quotes(names))});
+    draft.faults.of_wrong_type(*node, key, listed(in_quotes(names)));
     return std::nullopt;
   }
   const auto found = std::find(names.begin(), names.end(), *type);

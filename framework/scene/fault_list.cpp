@@ -22,6 +22,11 @@ void FaultList::of_value(const Node& value, Wrong wrong) {
       std::move(wrong));
 }
 
+void FaultList::of_wrong_type(const Node& value, std::string key, std::string admissible) {
+  of_value(value, {FaultCode::scene_wrong_type, std::move(key), "found " + kind_of(value),
+                   std::move(admissible)});
+}
+
 void FaultList::of_key(const Extent& key, Wrong wrong) {
   add(key.setting, source_.location(key), "", std::move(wrong));
 }

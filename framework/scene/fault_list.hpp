@@ -13,19 +13,11 @@ namespace tomlin {
 
 /// Fault at one position of a scene.
 struct Wrong {
-  Wrong(FaultCode code_of_fault, std::string path, std::string what_is_wrong,
-        std::string what_would_be_right = "", std::string nearest_name = "")
-      : code(code_of_fault),
-        key(std::move(path)),
-        why(std::move(what_is_wrong)),
-        admissible(std::move(what_would_be_right)),
-        nearest(std::move(nearest_name)) {}
-
   FaultCode code;
   std::string key;  ///< dotted path
   std::string why;
-  std::string admissible;
-  std::string nearest;
+  std::string admissible = {};
+  std::string nearest = {};
 };
 
 /// A fault, and in the how manyeth `--set`; 0: in the file.
@@ -44,6 +36,8 @@ class FaultList {
 
   /// A fault of a value; the message shows the value as written.
   void of_value(const Node& value, Wrong wrong);
+  /// A value of another kind than is expected at a key.
+  void of_wrong_type(const Node& value, std::string key, std::string admissible);
   /// A fault of a key or a table; the message shows no value.
   void of_key(const Extent& key, Wrong wrong);
   /// A fault in the middle of an expression, `byte` into its text.

@@ -32,8 +32,7 @@ bool add_parameter(SceneDraft& draft, const Entry& entry) {
   } else {
     // Known but without a value, so that nothing that uses it is called unknown.
     draft.parameters.add(entry.key, std::numeric_limits<double>::quiet_NaN());
-    draft.faults.of_value(node, {FaultCode::scene_wrong_type, parameter_path(entry),
-                                 "found " + kind_of(node), "a number or an expression"});
+    draft.faults.of_wrong_type(node, parameter_path(entry), "a number or an expression");
     return false;
   }
   return true;

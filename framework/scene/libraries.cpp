@@ -23,8 +23,7 @@ std::vector<NamedLibrary> named_libraries(const Table& document, const std::stri
   for (const Node& element : *list) {
     const auto* name = element.as<std::string>();
     if (name == nullptr) {
-      faults.of_value(
-          element, {FaultCode::scene_wrong_type, "plugins", "found " + kind_of(element), expected});
+      faults.of_wrong_type(element, "plugins", expected);
     } else if (name->empty() || name->find('\0') != std::string::npos) {
       faults.of_value(
           element, {FaultCode::plugin_cannot_load, "plugins", "not the name of a file", expected});

@@ -55,8 +55,7 @@ class MotionReader {
   std::optional<std::vector<TimeFunction>> vector(const Node& node, const std::string& key) {
     const auto* list = node.as<List>();
     if (list == nullptr) {
-      faults_.of_value(
-          node, {FaultCode::scene_wrong_type, key, "found " + kind_of(node), kExpectedVelocity});
+      faults_.of_wrong_type(node, key, kExpectedVelocity);
       return std::nullopt;
     }
     std::vector<TimeFunction> result;
@@ -133,8 +132,7 @@ std::optional<Motion> read_motion(const Node& node, const std::string& key,
                                   const ParameterTable& parameters, FaultList& faults) {
   const auto* table = node.as<Table>();
   if (table == nullptr) {
-    faults.of_value(node, {FaultCode::scene_wrong_type, key, "found " + kind_of(node),
-                           "{ velocity = [..], angular_velocity = .. }"});
+    faults.of_wrong_type(node, key, "{ velocity = [..], angular_velocity = .. }");
     return std::nullopt;
   }
   MotionReader reader(parameters, faults);

@@ -17,19 +17,11 @@ constexpr double kNoLength = std::numeric_limits<double>::infinity();
 
 /// A length, or the root or inverse of a number that is a power of one; infinite for all else.
 double as_length(const Dimension& dimension, double value) {
+  const int power = std::abs(dimension.length);
   if (dimension.mass != 0 || dimension.time != 0 || !(value > 0.0)) return kNoLength;
-  switch (dimension.length) {
-    case 1:
-      return value;
-    case -1:
-      return 1.0 / value;
-    case 2:
-      return std::sqrt(value);
-    case -2:
-      return 1.0 / std::sqrt(value);
-    default:
-      return kNoLength;
-  }
+  if (power != 1 && power != 2) return kNoLength;
+  const double root = power == 1 ? value : std::sqrt(value);
+  return dimension.length > 0 ? root : 1.0 / root;
 }
 
 /// Distances from zero.
@@ -179,18 +171,24 @@ class Search {
     return shortest;
   }
 
-  /// The largest speed that is given.
-  double speed() const {
-    double fastest = 0.0;
-    const auto consider = [&fastest](const auto& component) {
+  /// The largest component of the vectors of that dimension.
+  double largest_of(const Dimension& wanted) const {
+    double largest = 0.0;
+    const auto consider = [&](const auto& component) {
       for (const Parameter& row : component.record->parameters) {
-        if (row.dimension != dimension::velocity) continue;
-        fastest = std::max(fastest, largest_vector(row, component.description.get()));
+        if (row.dimension != wanted) continue;
+        largest = std::max(largest, largest_vector(row, component.description.get()));
       }
     };
     for (const SceneForce& force : scene_.forces) consider(force);
+    for (const SceneBody& body : scene_.bodies) consider(body);
+    return largest;
+  }
+
+  /// The largest speed that is given.
+  double speed() const {
+    double fastest = largest_of(dimension::velocity);
     for (const SceneBody& body : scene_.bodies) {
-      consider(body);
       if (!body.motion) continue;
       for (const TimeFunction& function : body.motion->velocity) {
         if (function.is_constant()) fastest = std::max(fastest, std::abs(function.constant));
@@ -203,16 +201,7 @@ class Search {
     take_length(speed() * found_.time,
                 "the distance that the fastest component moves in the scene's time");
     if (found_.length > 0.0) return;
-    double farthest = 0.0;
-    const auto consider = [&farthest](const auto& component) {
-      for (const Parameter& row : component.record->parameters) {
-        if (row.dimension != dimension::length) continue;
-        farthest = std::max(farthest, largest_vector(row, component.description.get()));
-      }
-    };
-    for (const SceneForce& force : scene_.forces) consider(force);
-    for (const SceneBody& body : scene_.bodies) consider(body);
-    take_length(farthest, "the largest distance from the origin");
+    take_length(largest_of(dimension::length), "the largest distance from the origin");
     if (found_.length > 0.0) return;
     found_.length = 1.0;
     found_.length_of = "the unit, since nothing in the scene has a length";

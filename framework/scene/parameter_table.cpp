@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <tuple>
 
 #include "framework/core/text/nearest_name.hpp"
@@ -72,22 +71,9 @@ void ParameterTable::add(std::string name, std::string_view expression) {
   append(std::move(name), parsed<Source>(expression));
 }
 
-bool ParameterTable::replace(std::string_view name, double value) { return assign(name, value); }
-
-bool ParameterTable::replace(std::string_view name, std::string_view expression) {
-  return assign(name, parsed<Source>(expression));
-}
-
 void ParameterTable::append(std::string name, Source source) {
   by_name_.try_emplace(name, entries_.size());
   entries_.push_back({std::move(name), std::move(source)});
-}
-
-bool ParameterTable::assign(std::string_view name, Source source) {
-  const auto entry = find(name);
-  if (!entry) return false;
-  entries_[*entry].source = std::move(source);
-  return true;
 }
 
 std::optional<std::size_t> ParameterTable::find(std::string_view name) const {
@@ -275,29 +261,7 @@ bool ParameterTable::resolve() {
   std::stable_sort(faults_.begin(), faults_.end(), [](const auto& a, const auto& b) {
     return std::tie(a.entry, a.part, a.column) < std::tie(b.entry, b.part, b.column);
   });
-  first_fault_.assign(entries_.size() + 1, 0);
-  for (const ParameterFault& found : faults_) ++first_fault_[found.entry + 1];
-  for (std::size_t i = 0; i < entries_.size(); ++i) first_fault_[i + 1] += first_fault_[i];
   return faults_.empty();
-}
-
-std::span<const ParameterFault> ParameterTable::faults_of(std::size_t entry) const {
-  if (entry + 1 >= first_fault_.size()) return {};
-  return std::span(faults_).subspan(first_fault_[entry],
-                                    first_fault_[entry + 1] - first_fault_[entry]);
-}
-
-std::vector<ParameterFault> ParameterTable::faults_of(std::string_view name) const {
-  std::vector<ParameterFault> result;
-  std::copy_if(faults_.begin(), faults_.end(), std::back_inserter(result),
-               [name](const ParameterFault& found) { return found.parameter == name; });
-  return result;
-}
-
-std::vector<std::string> ParameterTable::names() const {
-  std::vector<std::string> result;
-  for (const Entry& entry : entries_) result.push_back(entry.name);
-  return result;
 }
 
 std::optional<double> ParameterTable::value(std::string_view name) const {

@@ -42,23 +42,13 @@ class ParameterTable {
   void add(std::string name, double value);
   void add(std::string name, std::string_view expression);
 
-  /// Another value for a parameter (`--set`, sweeps); false when there is none of that name.
-  bool replace(std::string_view name, double value);
-  bool replace(std::string_view name, std::string_view expression);
-
-  /// Compute every value; true without faults. Needed again after add() or replace().
+  /// Compute every value; true without faults. Needed again after add().
   bool resolve();
 
   /// All faults, by entry and column. What only follows from another fault is not repeated.
   const std::vector<ParameterFault>& faults() const { return faults_; }
-  /// Faults of one entry.
-  std::span<const ParameterFault> faults_of(std::size_t entry) const;
-  /// Faults of all entries of that name.
-  std::vector<ParameterFault> faults_of(std::string_view name) const;
 
-  std::size_t size() const { return entries_.size(); }
   bool contains(std::string_view name) const { return find(name).has_value(); }
-  std::vector<std::string> names() const;
   std::optional<double> value(std::string_view name) const;
   /// Resolved ones, in order.
   std::vector<std::pair<std::string, double>> values() const;
@@ -88,7 +78,6 @@ class ParameterTable {
 
   std::optional<std::size_t> find(std::string_view name) const;
   void append(std::string name, Source source);
-  bool assign(std::string_view name, Source source);
   void fault(std::size_t entry, ParameterFault::Part part, ExpressionError error);
   void check_names();
   std::vector<std::vector<Edge>> find_references();
@@ -100,7 +89,6 @@ class ParameterTable {
   std::vector<Entry> entries_;
   std::map<std::string, std::size_t, std::less<>> by_name_;  ///< first entry of each name
   std::vector<ParameterFault> faults_;
-  std::vector<std::size_t> first_fault_;  ///< of each entry, and the end
   mutable bool random_was_bound_ = false;
 };
 

@@ -70,36 +70,34 @@ std::optional<ParameterValue> ValueReader::read_for_each(const Parameter& row, c
   const Subject subject{row, key};
   const bool is_number = std::holds_alternative<double>(row.prototype) ||
                          std::holds_alternative<PerParticle>(row.prototype);
-  if (is_number) {
-    auto values = numbers_for_each(subject, node, count);
-    if (!values) return std::nullopt;
-    return PerParticle{*std::move(values)};
-  }
-  auto values = vectors_for_each(subject, node, count);
-  if (!values) return std::nullopt;
-  return PerParticleVector{*std::move(values)};
+  const auto read = [&](auto value) -> std::optional<ParameterValue> {
+    if (!read_for_each(value.values, subject, node, count)) return std::nullopt;
+    return value;
+  };
+  return is_number ? read(PerParticle{}) : read(PerParticleVector{});
 }
 
-std::optional<std::vector<double>> ValueReader::numbers_for_each(const Subject& subject,
-                                                                 const Node& node,
-                                                                 std::int64_t count) const {
+bool ValueReader::has_count(const List& list, const Subject& subject, const Node& node,
+                            std::int64_t count) const {
+  if (list.size() == static_cast<std::size_t>(count)) return true;
+  return wrong(FaultCode::scene_wrong_count, subject, node,
+               fmt::format("{} entr{}, but the body has {} particle{}", list.size(),
+                           list.size() == 1 ? "y" : "ies", count, count == 1 ? "" : "s"));
+}
+
+bool ValueReader::read_for_each(std::vector<double>& values, const Subject& subject,
+                                const Node& node, std::int64_t count) const {
   const auto* list = node.as<List>();
   const auto size = static_cast<std::size_t>(count);
-  if (list != nullptr && list->size() != size) {
-    return wrong(FaultCode::scene_wrong_count, subject, node,
-                 fmt::format("{} entr{}, but the body has {} particle{}", list->size(),
-                             list->size() == 1 ? "y" : "ies", count, count == 1 ? "" : "s"));
-  }
-  std::vector<double> values;
+  if (list != nullptr && !has_count(*list, subject, node, count)) return false;
+  values.clear();
   values.reserve(size);
   std::optional<ParticleExpression> expression;
   for (std::size_t i = 0; i < size; ++i) {
     const Node& element = list ? (*list)[i] : node;
     const auto* text = element.as<std::string>();
     if (text == nullptr) {
-      const auto x = number(subject, element);
-      if (!x) return std::nullopt;
-      values.push_back(*x);
+      if (!read_into(values.emplace_back(), subject, element)) return false;
       continue;
     }
     const auto report = [&](const ExpressionError& error, const std::string& where) {
@@ -107,7 +105,7 @@ std::optional<std::vector<double>> ValueReader::numbers_for_each(const Subject& 
         faults_.inside(element, error.column,
                        {error.code, subject.key, error.why + where, "", error.nearest});
       }
-      return std::nullopt;
+      return false;
     };
     if (list || !expression) {
       auto bound = parameters_.bind(*text, particle_variables());
@@ -124,42 +122,33 @@ std::optional<std::vector<double>> ValueReader::numbers_for_each(const Subject& 
     }
     values.push_back(x);
   }
-  return values;
+  return true;
 }
 
-std::optional<std::vector<SpaceVector>> ValueReader::vectors_for_each(const Subject& subject,
-                                                                      const Node& node,
-                                                                      std::int64_t count) const {
-  const auto* list = node.as<List>();
-  if (list == nullptr) return wrong_kind(subject, node);
-  if (list->empty()) return wrong(FaultCode::scene_wrong_count, subject, node, "the list is empty");
-  const auto size = static_cast<std::size_t>(count);
-  std::vector<SpaceVector> values(size);
+bool ValueReader::read_for_each(std::vector<SpaceVector>& values, const Subject& subject,
+                                const Node& node, std::int64_t count) const {
+  const List* list = filled_list(subject, node);
+  if (list == nullptr) return false;
+  values.assign(static_cast<std::size_t>(count), {});
   if (list->front().as<List>() == nullptr) {
     // One vector of expressions: component by component for all particles.
     for (const Node& component : *list) {
       if (component.as<List>()) return wrong_kind(subject, component);
-      const auto numbers = numbers_for_each(subject, component, count);
-      if (!numbers) return std::nullopt;
-      for (std::size_t i = 0; i < size; ++i) values[i].components.push_back((*numbers)[i]);
+      std::vector<double> numbers;
+      if (!read_for_each(numbers, subject, component, count)) return false;
+      for (std::size_t i = 0; i < values.size(); ++i) values[i].components.push_back(numbers[i]);
     }
-    return values;
+    return true;
   }
-  if (list->size() != size) {
-    return wrong(FaultCode::scene_wrong_count, subject, node,
-                 fmt::format("{} entr{}, but the body has {} particle{}", list->size(),
-                             list->size() == 1 ? "y" : "ies", count, count == 1 ? "" : "s"));
-  }
-  for (std::size_t i = 0; i < size; ++i) {
-    auto vector = space_vector(subject, (*list)[i]);
-    if (!vector) return std::nullopt;
-    values[i] = *std::move(vector);
+  if (!has_count(*list, subject, node, count)) return false;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!read_into(values[i], subject, (*list)[i])) return false;
     if (values[i].components.size() == values.front().components.size()) continue;
     return wrong(FaultCode::scene_wrong_count, subject, (*list)[i],
                  fmt::format("vector {} has {} components, the first has {}", i,
                              values[i].components.size(), values.front().components.size()));
   }
-  return values;
+  return true;
 }
 
 }  // namespace tomlin

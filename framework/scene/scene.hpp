@@ -28,19 +28,24 @@
 /// framework/model for that.
 namespace tomlin {
 
-/// One component of a scene: its record and its filled-in description.
-template <class Record>
-struct SceneComponent {
-  std::string name;
-  const Record* record = nullptr;
-  std::shared_ptr<const void> description;
-  SourceLocation location;                          ///< of its table
+/// Where a table of a scene stands, for messages.
+struct LocatedTable {
+  SourceLocation location;
   std::map<std::string, SourceLocation> locations;  ///< of each key that was given
 
-  SourceLocation location_of(const std::string& key) const {
+  /// Location of a key, or of the table where the key was not given.
+  const SourceLocation& location_of(const std::string& key) const {
     const auto found = locations.find(key);
     return found == locations.end() ? location : found->second;
   }
+};
+
+/// One component of a scene: its record and its filled-in description.
+template <class Record>
+struct SceneComponent : LocatedTable {
+  std::string name;
+  const Record* record = nullptr;
+  std::shared_ptr<const void> description;
 };
 
 struct SceneBody : SceneComponent<BodyRecord> {
@@ -78,19 +83,17 @@ struct SceneIntegrator : SceneComponent<IntegratorRecord> {
 
 /// `perturb = { ... }`: runs repeated from slightly other starts, to see how far the result is
 /// determined at all.
-struct PerturbSettings {
+struct PerturbSettings : LocatedTable {
   std::vector<std::size_t> bodies;       ///< indices into Scene::bodies; all by default
   double size = 0.0;                     ///< of the noise on each generalised coordinate
   std::int64_t repeats = 3;              ///< one seed each
   std::vector<std::string> observables;  ///< empty: the mean forces of all drivers
-  SourceLocation location;
-  std::map<std::string, SourceLocation> locations;
 };
 
 /// `until = { steady = "driver.mean_force.x", tolerance = 1e-6, max = 1e5 }`: the run ends when an
 /// observable is the same from one driver period to the next. Or `until = { error = 0.01, of =
 /// "driver.mean_force.x" }`: when the statistical error of a mean is as small as this.
-struct UntilSettings {
+struct UntilSettings : LocatedTable {
   std::string steady;  ///< the observable, over one period; empty with an error
   double tolerance = 0.0;
   std::string of;             ///< the mean; empty with `steady`
@@ -99,8 +102,6 @@ struct UntilSettings {
 
   bool is_steady() const { return of.empty(); }
   const std::string& observable() const { return is_steady() ? steady : of; }
-  SourceLocation location;
-  std::map<std::string, SourceLocation> locations;
 };
 
 /// The equations of motion.
@@ -112,7 +113,7 @@ constexpr auto word_table(Dynamics) {
       {{inertial, "inertial"}, {overdamped, "overdamped"}, {quasistatic, "quasistatic"}});
 }
 
-struct RunSettings {
+struct RunSettings : LocatedTable {
   Dynamics dynamics = Dynamics::inertial;
   double duration = 0.0;  ///< with `until` the latest time at which the run ends
   SceneIntegrator integrator;
@@ -128,12 +129,10 @@ struct RunSettings {
   double checkpoint_every = 60.0;
   std::optional<PerturbSettings> perturb;
   std::optional<UntilSettings> until;
-  SourceLocation location;
-  std::map<std::string, SourceLocation> locations;
 };
 
 /// `[measure]`: the window over which means, work and extremes are taken.
-struct MeasureSettings {
+struct MeasureSettings : LocatedTable {
   /// whole_run: there is no [measure].
   enum class Unit { whole_run, time, driver_periods } unit = Unit::whole_run;
   double from = 0.0;
@@ -141,8 +140,6 @@ struct MeasureSettings {
   std::string driver;                    ///< whose periods are counted; empty: the only one
   std::optional<double> period;          ///< a length, when given
   std::vector<std::string> observables;  ///< empty: all that there are
-  SourceLocation location;
-  std::map<std::string, SourceLocation> locations;
 };
 
 constexpr auto word_table(MeasureSettings::Unit) {
@@ -158,20 +155,16 @@ constexpr auto word_table(TrajectoryFormat) {
   return std::to_array<Word<TrajectoryFormat>>({{h5md, "h5md"}, {xyz, "xyz"}});
 }
 
-struct OutputSettings {
+struct OutputSettings : LocatedTable {
   std::optional<double> every;  ///< sampling interval in time units; no table without it
   bool trajectory = false;      ///< particles' positions too
   TrajectoryFormat trajectory_format = TrajectoryFormat::h5md;
-  SourceLocation location;
-  std::map<std::string, SourceLocation> locations;
 };
 
 /// `[box]`: along a periodic axis everything repeats with the box's length.
-struct BoxSettings {
+struct BoxSettings : LocatedTable {
   std::vector<double> lengths;  ///< [dimension]; empty: there is no box
   std::vector<bool> periodic;   ///< [dimension]; the length of another axis is only recorded
-  SourceLocation location;
-  std::map<std::string, SourceLocation> locations;
 };
 
 /// `axes = { length = "a", force = "V_0/a" }` of `[scene]` in reduced units: what the axes of

@@ -43,7 +43,7 @@ std::vector<SceneSection> SceneDraft::sections(const std::string& key) {
 std::optional<SceneSection> SceneDraft::inside(const Node& node, const std::string& path,
                                                const std::string& expected) {
   if (const auto* table = node.as<Table>()) return SceneSection{table, node.where};
-  faults.of_value(node, {FaultCode::scene_wrong_type, path, "found " + kind_of(node), expected});
+  faults.of_wrong_type(node, path, expected);
   return std::nullopt;
 }
 

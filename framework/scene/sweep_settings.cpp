@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "framework/core/formula/rounded_functions.hpp"
+#include "framework/core/text/ascii.hpp"
 #include "framework/core/text/nearest_name.hpp"
 #include "framework/scene/effective.hpp"
 #include "framework/scene/language.hpp"
@@ -24,12 +25,6 @@ namespace {
 
 constexpr const char* kAxisForms =
     "NAME=a,b,c or NAME=from:to:count or NAME=from:to:count:log with numbers";
-
-std::string_view trimmed_text(std::string_view text) {
-  const std::size_t begin = text.find_first_not_of(" \t");
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
-}
 
 /// Up to here doubles hold every integer.
 constexpr std::int64_t kLargestInteger = std::int64_t{1} << 53;
@@ -71,7 +66,7 @@ std::vector<std::string> split_outside(std::string_view text, char mark) {
     }
     parts.back() += text[k];
   }
-  for (std::string& part : parts) part = std::string(trimmed_text(part));
+  for (std::string& part : parts) part = std::string(trimmed(part, " \t"));
   return parts;
 }
 
@@ -315,8 +310,7 @@ class SweepReader {
   SweepSettings read(const Node& given) {
     const Table* table = given.as<Table>();
     if (table == nullptr) {
-      complain(given, FaultCode::scene_wrong_type, "sweep", "found " + kind_of(given),
-               "a table, [sweep]");
+      wrong_type(given, "sweep", "a table, [sweep]");
       return {};
     }
     for (const Entry& entry : table->entries) {
@@ -329,8 +323,7 @@ class SweepReader {
         if (value != nullptr) {
           settings_.continues = *value;
         } else {
-          complain(entry.value, FaultCode::scene_wrong_type, "sweep.continue_from_neighbour",
-                   "found " + kind_of(entry.value), "true or false");
+          wrong_type(entry.value, "sweep.continue_from_neighbour", "true or false");
         }
       } else if (entry.key == "repeats") {
         const auto* count = entry.value.as<std::int64_t>();
@@ -338,11 +331,9 @@ class SweepReader {
           complain(entry.value, FaultCode::scene_out_of_range, "sweep.repeats", "out of range",
                    "2 or more");
         } else if (count != nullptr) {
-          settings_.repeats = {value_text(entry.value), source_.location(entry.value.where),
-                               "sweep.repeats"};
+          settings_.repeats = text_of(entry, value_text(entry.value));
         } else {
-          complain(entry.value, FaultCode::scene_wrong_type, "sweep.repeats",
-                   "found " + kind_of(entry.value), "a whole number");
+          wrong_type(entry.value, "sweep.repeats", "a whole number");
         }
       } else if (entry.key == "refine") {
         read_text(entry, settings_.refine.what, "an observable in quotes");
@@ -352,8 +343,7 @@ class SweepReader {
         const bool is_number =
             entry.value.as<double>() != nullptr || entry.value.as<std::int64_t>() != nullptr;
         if (is_number) {
-          settings_.refine.to = {value_text(entry.value), source_.location(entry.value.where),
-                                 "sweep.refine_to"};
+          settings_.refine.to = text_of(entry, value_text(entry.value));
         } else {
           read_text(entry, settings_.refine.to, "a number");
         }
@@ -376,13 +366,20 @@ class SweepReader {
                          source_.written(node.where), std::move(why), std::move(admissible));
   }
 
+  void wrong_type(const Node& node, std::string key, std::string admissible) {
+    complain(node, FaultCode::scene_wrong_type, std::move(key), "found " + kind_of(node),
+             std::move(admissible));
+  }
+
+  SweepText text_of(const Entry& entry, std::string text) const {
+    return {std::move(text), source_.location(entry.value.where), "sweep." + entry.key};
+  }
+
   void read_text(const Entry& entry, std::optional<SweepText>& into, const char* admissible) {
-    const std::string key = "sweep." + entry.key;
     if (const auto* text = entry.value.as<std::string>()) {
-      into = {*text, source_.location(entry.value.where), key};
+      into = text_of(entry, *text);
     } else {
-      complain(entry.value, FaultCode::scene_wrong_type, key, "found " + kind_of(entry.value),
-               admissible);
+      wrong_type(entry.value, "sweep." + entry.key, admissible);
     }
   }
 
@@ -394,8 +391,7 @@ class SweepReader {
         std::all_of(table->entries.begin(), table->entries.end(),
                     [](const Entry& one) { return one.value.as<std::string>() != nullptr; });
     if (valid) return;
-    complain(node, FaultCode::scene_wrong_type, "sweep.files", "found " + kind_of(node),
-             "a table of names of files with their texts");
+    wrong_type(node, "sweep.files", "a table of names of files with their texts");
   }
 
   void report_unknown(const Entry& entry) {
@@ -409,8 +405,7 @@ class SweepReader {
   void read_over(const Node& node, const std::string& above) {
     const Table* table = node.as<Table>();
     if (table == nullptr) {
-      return complain(node, FaultCode::scene_wrong_type, "sweep.over", "found " + kind_of(node),
-                      "a table of names with their values");
+      return wrong_type(node, "sweep.over", "a table of names with their values");
     }
     for (const Entry& entry : table->entries) {
       const std::string name = above + entry.key;
@@ -444,7 +439,7 @@ class SweepReader {
     }
     const auto* text = node.as<std::string>();
     if (text == nullptr) {
-      complain(node, FaultCode::scene_wrong_type, key, "found " + kind_of(node), kForms);
+      wrong_type(node, key, kForms);
       return std::nullopt;
     }
     auto read = SweepValues::parse(*text);
@@ -463,7 +458,7 @@ class SweepReader {
           return one.as<std::string>() != nullptr;
         });
     if (!valid) {
-      complain(node, FaultCode::scene_wrong_type, key, "found " + kind_of(node), "a list of names");
+      wrong_type(node, key, "a list of names");
       return result;
     }
     for (const Node& one : *list) result.push_back(*one.as<std::string>());

@@ -21,12 +21,6 @@ namespace {
 constexpr std::size_t kLongestShownLine = 200;  // bytes; of a longer line the position is reported
 constexpr std::size_t kLongestName = 200;       // bytes; a longer one is no name of a scene
 
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
-  return text;
-}
-
 /// The text between the line breaks around `at`.
 std::string_view line_around(std::string_view text, std::size_t at) {
   const std::size_t begin = at == 0 ? 0 : text.rfind('\n', at - 1) + 1;

@@ -154,9 +154,9 @@ std::string table_of(const std::string& key, const TableLayout& layout) {
 
 void report_key(const Entry& entry, const std::string& path, const TableLayout& layout,
                 FaultList& faults) {
-  Wrong wrong(FaultCode::scene_unknown_key,
+  Wrong wrong{FaultCode::scene_unknown_key,
               (path.empty() ? "" : path + ".") + key_text(shortened(entry.key, kLongestShownValue)),
-              "unknown key");
+              "unknown key"};
   const auto keys = layout.keys();
   wrong.nearest = nearest_name(entry.key, keys).value_or("");
   // "every" is that of [output] rather than checkpoint_every.

@@ -117,51 +117,11 @@ std::optional<ParameterValue> ValueReader::read(const Parameter& row, const Node
                                                 const std::string& key) const {
   const Subject subject{row, key};
   return std::visit(
-      [&](const auto& prototype) -> std::optional<ParameterValue> {
-        using Kind = std::decay_t<decltype(prototype)>;
-        if constexpr (std::is_same_v<Kind, double>) {
-          return number(subject, node);
-        } else if constexpr (std::is_same_v<Kind, std::int64_t>) {
-          return integer(subject, node);
-        } else if constexpr (std::is_same_v<Kind, bool>) {
-          if (const bool* given = node.as<bool>()) return *given;
-          return wrong_kind(subject, node);
-        } else if constexpr (std::is_same_v<Kind, std::string>) {
-          return text(subject, node);
-        } else if constexpr (std::is_same_v<Kind, SpaceVector>) {
-          return space_vector(subject, node);
-        } else if constexpr (std::is_same_v<Kind, PerParticle>) {
-          return per_particle(subject, node);
-        } else if constexpr (std::is_same_v<Kind, PerParticleVector>) {
-          return per_particle_vector(subject, node);
-        } else if constexpr (std::is_same_v<Kind, PairSelection>) {
-          return pair_selection(subject, node);
-        } else if constexpr (std::is_same_v<Kind, WordOrNumbers>) {
-          return word_or_numbers(subject, node);
-        } else if constexpr (std::is_same_v<Kind, Attachment>) {
-          return attachment(subject, node);
-        } else if constexpr (std::is_same_v<Kind, PointList>) {
-          return point_list(subject, node);
-        } else if constexpr (std::is_same_v<Kind, NumberTable>) {
-          return number_table(subject, node);
-        } else if constexpr (std::is_same_v<Kind, WordList>) {
-          return word_list(subject, node);
-        } else if constexpr (std::is_same_v<Kind, FlagList>) {
-          return flag_list(subject, node);
-        } else if constexpr (std::is_same_v<Kind, Formula>) {
-          return formula(subject, node);
-        } else if constexpr (std::is_same_v<Kind, FormulaList>) {
-          return formula_list(subject, node);
-        } else if constexpr (std::is_same_v<Kind, AngleSelection>) {
-          return angle_selection(subject, node);
-        } else if constexpr (std::is_same_v<Kind, NamePerParticle>) {
-          return names_of_particles(subject, node);
-        } else {
-          static_assert(std::is_same_v<Kind, Passing>);
-          return passing(subject, node);
-        }
+      [&](auto value) -> std::optional<ParameterValue> {
+        if (!read_into(value, subject, node)) return std::nullopt;
+        return value;
       },
-      subject.row.prototype);
+      row.prototype);
 }
 
 std::optional<double> ValueReader::number(const Subject& subject, const Node& node) const {
@@ -170,10 +130,24 @@ std::optional<double> ValueReader::number(const Subject& subject, const Node& no
   return x;
 }
 
-std::optional<std::int64_t> ValueReader::integer(const Subject& subject, const Node& node) const {
+bool ValueReader::read_into(double& value, const Subject& subject, const Node& node) const {
+  const auto x = number(subject, node);
+  if (x) value = *x;
+  return x.has_value();
+}
+
+bool ValueReader::read_into(std::int64_t& value, const Subject& subject, const Node& node) const {
   const auto n = index(subject, node);
-  if (!n || !in_range(subject, node, static_cast<double>(*n))) return std::nullopt;
-  return n;
+  if (!n || !in_range(subject, node, static_cast<double>(*n))) return false;
+  value = *n;
+  return true;
+}
+
+bool ValueReader::read_into(bool& value, const Subject& subject, const Node& node) const {
+  const bool* given = node.as<bool>();
+  if (given == nullptr) return wrong_kind(subject, node);
+  value = *given;
+  return true;
 }
 
 // An integer that the row's interval does not speak of.
@@ -183,118 +157,111 @@ std::optional<std::int64_t> ValueReader::index(const Subject& subject, const Nod
   if (!x) return std::nullopt;
   const std::string is = node.as<std::string>() ? fmt::format("is {}; ", *x) : "";
   if (!std::isfinite(*x)) {
-    return wrong(FaultCode::scene_not_finite, subject, node, "not a finite number");
+    wrong(FaultCode::scene_not_finite, subject, node, "not a finite number");
+  } else if (*x != std::floor(*x)) {
+    wrong(FaultCode::scene_out_of_range, subject, node, is + "not an integer");
+  } else if (*x < -kIntegersEnd || *x >= kIntegersEnd) {
+    wrong(FaultCode::scene_out_of_range, subject, node, is + "too large for an integer");
+  } else {
+    return static_cast<std::int64_t>(*x);
   }
-  if (*x != std::floor(*x)) {
-    return wrong(FaultCode::scene_out_of_range, subject, node, is + "not an integer");
-  }
-  if (*x < -kIntegersEnd || *x >= kIntegersEnd) {
-    return wrong(FaultCode::scene_out_of_range, subject, node, is + "too large for an integer");
-  }
-  return static_cast<std::int64_t>(*x);
+  return std::nullopt;
 }
 
-std::optional<std::vector<double>> ValueReader::numbers(const Subject& subject, const List& list,
-                                                        const Node& whole) const {
-  if (list.empty()) return wrong(FaultCode::scene_wrong_count, subject, whole, "the list is empty");
-  std::vector<double> result;
-  result.reserve(list.size());
-  for (const Node& element : list) {
-    const auto x = number(subject, element);
-    if (!x) return std::nullopt;
-    result.push_back(*x);
+const List* ValueReader::filled_list(const Subject& subject, const Node& node) const {
+  const auto* list = node.as<List>();
+  if (list == nullptr) {
+    wrong_kind(subject, node);
+  } else if (list->empty()) {
+    wrong(FaultCode::scene_wrong_count, subject, node, "the list is empty");
+    return nullptr;
   }
-  return result;
+  return list;
 }
 
-std::optional<std::string> ValueReader::text(const Subject& subject, const Node& node) const {
+bool ValueReader::read_into(std::vector<double>& values, const Subject& subject,
+                            const Node& node) const {
+  const List* list = filled_list(subject, node);
+  if (list == nullptr) return false;
+  values.clear();
+  values.reserve(list->size());
+  return std::all_of(list->begin(), list->end(), [&](const Node& element) {
+    return read_into(values.emplace_back(), subject, element);
+  });
+}
+
+bool ValueReader::read_into(std::string& value, const Subject& subject, const Node& node) const {
   const auto* given = node.as<std::string>();
   if (given == nullptr) return wrong_kind(subject, node);
   const auto& choices = subject.row.choices;
-  if (!choices.empty() && !is_word(subject, node, *given, choices)) return std::nullopt;
-  return *given;
+  if (!choices.empty() && !is_word(subject, node, *given, choices)) return false;
+  value = *given;
+  return true;
 }
 
-std::optional<SpaceVector> ValueReader::space_vector(const Subject& subject,
-                                                     const Node& node) const {
+bool ValueReader::read_into(SpaceVector& value, const Subject& subject, const Node& node) const {
+  if (!read_into(value.components, subject, node)) return false;
+  if (value.components.size() <= kMostDimensions) return true;
+  return wrong(FaultCode::scene_wrong_count, subject, node,
+               fmt::format("{} components, but space has at most {} dimensions",
+                           value.components.size(), kMostDimensions));
+}
+
+bool ValueReader::read_into(PerParticle& value, const Subject& subject, const Node& node) const {
+  if (node.as<List>() != nullptr) return read_into(value.values, subject, node);
+  value.values.resize(1);
+  return read_into(value.values.front(), subject, node);
+}
+
+bool ValueReader::read_into(PerParticleVector& value, const Subject& subject,
+                            const Node& node) const {
+  value.values.clear();
   const auto* list = node.as<List>();
-  if (list == nullptr) return wrong_kind(subject, node);
-  auto components = numbers(subject, *list, node);
-  if (!components) return std::nullopt;
-  if (components->size() > kMostDimensions) {
-    return wrong(FaultCode::scene_wrong_count, subject, node,
-                 fmt::format("{} components, but space has at most {} dimensions",
-                             components->size(), kMostDimensions));
-  }
-  return SpaceVector{*std::move(components)};
+  const bool one_each = list != nullptr && !list->empty() && list->front().as<List>() != nullptr;
+  if (!one_each) return read_into(value.values.emplace_back(), subject, node);
+  return std::all_of(list->begin(), list->end(), [&](const Node& element) {
+    return read_into(value.values.emplace_back(), subject, element);
+  });
 }
 
-std::optional<PerParticle> ValueReader::per_particle(const Subject& subject,
-                                                     const Node& node) const {
-  if (const auto* list = node.as<List>()) {
-    auto values = numbers(subject, *list, node);
-    if (!values) return std::nullopt;
-    return PerParticle{*std::move(values)};
-  }
-  const auto x = number(subject, node);
-  if (!x) return std::nullopt;
-  return PerParticle{{*x}};
-}
-
-std::optional<PerParticleVector> ValueReader::per_particle_vector(const Subject& subject,
-                                                                  const Node& node) const {
-  const auto* list = node.as<List>();
-  if (list == nullptr) return wrong_kind(subject, node);
-  PerParticleVector result;
-  const bool one_each = !list->empty() && list->front().as<List>();
-  if (one_each) {
-    for (const Node& element : *list) {
-      auto vector = space_vector(subject, element);
-      if (!vector) return std::nullopt;
-      result.values.push_back(*std::move(vector));
-    }
-  } else {
-    auto vector = space_vector(subject, node);
-    if (!vector) return std::nullopt;
-    result.values.push_back(*std::move(vector));
-  }
-  return result;
-}
-
-std::optional<PairSelection> ValueReader::pair_selection(const Subject& subject,
-                                                         const Node& node) const {
-  PairSelection result;
-  if (const auto* word = node.as<std::string>()) {
-    if (!is_word(subject, node, *word, expected_words(subject.row))) return std::nullopt;
-    result.kind = value_named<PairSelection::Kind>(*word).value();
-    return result;
-  }
-  const auto* list = node.as<List>();
-  if (list == nullptr) return wrong_kind(subject, node);
-  if (list->empty()) return wrong(FaultCode::scene_wrong_count, subject, node, "the list is empty");
-  result.kind = PairSelection::Kind::list;
+/// A list of lists of as many indices, called `name` in messages.
+template <std::size_t N>
+bool ValueReader::read_tuples(std::vector<std::array<std::int64_t, N>>& tuples, const char* name,
+                              const Subject& subject, const Node& node) const {
+  const List* list = filled_list(subject, node);
+  if (list == nullptr) return false;
   for (const Node& element : *list) {
-    const auto* pair = element.as<List>();
-    if (pair == nullptr || pair->size() != 2) {
-      return wrong(pair == nullptr ? FaultCode::scene_wrong_type : FaultCode::scene_wrong_count,
-                   subject, element, "not a pair of indices");
+    const auto* given = element.as<List>();
+    if (given == nullptr || given->size() != N) {
+      return wrong(given == nullptr ? FaultCode::scene_wrong_type : FaultCode::scene_wrong_count,
+                   subject, element, fmt::format("not a {} of indices", name));
     }
-    const auto first = index(subject, pair->front());
-    if (!first) return std::nullopt;
-    const auto second = index(subject, pair->back());
-    if (!second) return std::nullopt;
-    result.list.push_back({*first, *second});
+    auto& tuple = tuples.emplace_back();
+    for (std::size_t k = 0; k < N; ++k) {
+      const auto found = index(subject, (*given)[k]);
+      if (!found) return false;
+      tuple[k] = *found;
+    }
   }
-  return result;
+  return true;
 }
 
-std::optional<Formula> ValueReader::formula(const Subject& subject, const Node& node) const {
-  Formula result;
+bool ValueReader::read_into(PairSelection& value, const Subject& subject, const Node& node) const {
+  value = {};
+  if (const auto* word = node.as<std::string>()) {
+    if (!is_word(subject, node, *word, expected_words(subject.row))) return false;
+    value.kind = value_named<PairSelection::Kind>(*word).value();
+    return true;
+  }
+  value.kind = PairSelection::Kind::list;
+  return read_tuples(value.list, "pair", subject, node);
+}
+
+bool ValueReader::read_into(Formula& value, const Subject& subject, const Node& node) const {
+  value = {};
   if (node.as<std::int64_t>() != nullptr || node.as<double>() != nullptr) {
-    const auto x = evaluated(subject, node);
-    if (!x || !in_range(subject, node, *x)) return std::nullopt;
-    result.text = value_text(node);
-    return result;
+    value.text = value_text(node);
+    return number(subject, node).has_value();
   }
   const auto* text = node.as<std::string>();
   if (text == nullptr) return wrong_kind(subject, node);
@@ -309,119 +276,75 @@ std::optional<Formula> ValueReader::formula(const Subject& subject, const Node& 
       faults_.inside(node, error->column,
                      {error->code, subject.key, error->why, "", error->nearest});
     }
-    return std::nullopt;
+    return false;
   }
-  result.text = *text;
-  result.parameters = std::get<BoundExpression>(std::move(bound)).parameters;
-  return result;
+  value.text = *text;
+  value.parameters = std::get<BoundExpression>(std::move(bound)).parameters;
+  return true;
 }
 
-std::optional<FormulaList> ValueReader::formula_list(const Subject& subject,
-                                                     const Node& node) const {
-  const auto* list = node.as<List>();
-  if (list == nullptr) return wrong_kind(subject, node);
-  if (list->empty()) return wrong(FaultCode::scene_wrong_count, subject, node, "the list is empty");
+bool ValueReader::read_into(FormulaList& value, const Subject& subject, const Node& node) const {
+  value = {};
+  const List* list = filled_list(subject, node);
+  if (list == nullptr) return false;
   if (list->size() > kMostDimensions) {
     return wrong(FaultCode::scene_wrong_count, subject, node, "space has at most three dimensions");
   }
-  FormulaList result;
   bool valid = true;
   for (const Node& element : *list) {
-    auto component = formula(subject, element);
-    valid = valid && component;
-    if (component) result.components.push_back(*std::move(component));
+    valid = read_into(value.components.emplace_back(), subject, element) && valid;
   }
-  if (!valid) return std::nullopt;
-  return result;
+  return valid;
 }
 
-std::optional<AngleSelection> ValueReader::angle_selection(const Subject& subject,
-                                                           const Node& node) const {
-  AngleSelection result;
+bool ValueReader::read_into(AngleSelection& value, const Subject& subject, const Node& node) const {
+  value = {};
   if (const auto* word = node.as<std::string>()) {
-    if (!is_word(subject, node, *word, {"neighbours"})) return std::nullopt;
-    return result;
+    return is_word(subject, node, *word, {"neighbours"});
   }
-  const auto* list = node.as<List>();
-  if (list == nullptr) return wrong_kind(subject, node);
-  if (list->empty()) return wrong(FaultCode::scene_wrong_count, subject, node, "the list is empty");
-  result.neighbours = false;
-  for (const Node& element : *list) {
-    const auto* triple = element.as<List>();
-    if (triple == nullptr || triple->size() != 3) {
-      return wrong(triple == nullptr ? FaultCode::scene_wrong_type : FaultCode::scene_wrong_count,
-                   subject, element, "not a triple of indices");
-    }
-    std::array<std::int64_t, 3> indices{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto found = index(subject, (*triple)[k]);
-      if (!found) return std::nullopt;
-      indices[k] = *found;
-    }
-    result.list.push_back(indices);
-  }
-  return result;
+  value.neighbours = false;
+  return read_tuples(value.list, "triple", subject, node);
 }
 
-std::optional<NamePerParticle> ValueReader::names_of_particles(const Subject& subject,
-                                                               const Node& node) const {
-  NamePerParticle result;
-  const auto take = [&](const Node& element) {
+bool ValueReader::read_into(NamePerParticle& value, const Subject& subject,
+                            const Node& node) const {
+  value = {};
+  const auto read_name = [&](const Node& element) {
     const auto* name = element.as<std::string>();
-    if (name == nullptr) {
-      wrong_kind(subject, element);
-    } else if (!is_species_name(*name)) {
-      wrong(FaultCode::scene_invalid_name, subject, element, "not a name of a species");
-    } else {
-      result.names.push_back(*name);
-      return true;
+    if (name == nullptr) return wrong_kind(subject, element);
+    if (!is_species_name(*name)) {
+      return wrong(FaultCode::scene_invalid_name, subject, element, "not a name of a species");
     }
-    return false;
+    value.names.push_back(*name);
+    return true;
   };
-  const auto* list = node.as<List>();
-  if (list == nullptr) return take(node) ? std::optional(result) : std::nullopt;
-  if (list->empty()) return wrong(FaultCode::scene_wrong_count, subject, node, "the list is empty");
-  if (!std::all_of(list->begin(), list->end(), take)) return std::nullopt;
-  return result;
+  if (node.as<List>() == nullptr) return read_name(node);
+  const List* list = filled_list(subject, node);
+  return list != nullptr && std::all_of(list->begin(), list->end(), read_name);
 }
 
-std::optional<WordOrNumbers> ValueReader::word_or_numbers(const Subject& subject,
-                                                          const Node& node) const {
-  WordOrNumbers result;
-  if (const auto* list = node.as<List>()) {
-    auto values = numbers(subject, *list, node);
-    if (!values) return std::nullopt;
-    result.numbers = *std::move(values);
-    return result;
-  }
+bool ValueReader::read_into(WordOrNumbers& value, const Subject& subject, const Node& node) const {
+  value = {};
+  if (node.as<List>() != nullptr) return read_into(value.numbers, subject, node);
   if (const auto* word = node.as<std::string>()) {
     const auto& choices = subject.row.choices;
-    const auto holds = [&word](const auto& words) {
-      return std::find(words.begin(), words.end(), *word) != words.end();
-    };
     // A misspelt word would otherwise be called an unknown parameter.
     const bool meant_as_word =
         is_identifier(*word) && !parameters_.contains(*word) && nearest_name(*word, choices);
-    if (holds(choices) || meant_as_word) {
-      if (!is_word(subject, node, *word, choices)) return std::nullopt;
-      result.word = *word;
-      return result;
+    if (meant_as_word || std::find(choices.begin(), choices.end(), *word) != choices.end()) {
+      value.word = *word;
+      return is_word(subject, node, *word, choices);
     }
   }
-  const auto x = number(subject, node);
-  if (!x) return std::nullopt;
-  result.numbers = {*x};
-  return result;
+  return read_into(value.numbers.emplace_back(), subject, node);
 }
 
-std::optional<Attachment> ValueReader::attachment(const Subject& subject, const Node& node) const {
-  Attachment result;
+bool ValueReader::read_into(Attachment& value, const Subject& subject, const Node& node) const {
+  value = {};
   if (const auto* word = node.as<std::string>()) {
-    if (!is_word(subject, node, *word, expected_words(subject.row))) {
-      return std::nullopt;
-    }
-    result.kind = value_named<Attachment::Kind>(*word).value();
-    return result;
+    if (!is_word(subject, node, *word, expected_words(subject.row))) return false;
+    value.kind = value_named<Attachment::Kind>(*word).value();
+    return true;
   }
   const auto* table = node.as<Table>();
   if (table == nullptr) return wrong_kind(subject, node);
@@ -432,97 +355,91 @@ std::optional<Attachment> ValueReader::attachment(const Subject& subject, const 
         subject, node, "a table here has the key particle and no other");
   }
   const auto given = index({subject.row, subject.key + ".particle"}, *particle);
-  if (!given) return std::nullopt;
-  result.kind = Attachment::Kind::particle;
-  result.particle = *given;
-  return result;
+  if (!given) return false;
+  value.kind = Attachment::Kind::particle;
+  value.particle = *given;
+  return true;
 }
 
-std::optional<PointList> ValueReader::point_list(const Subject& subject, const Node& node) const {
+/// A column of numbers, or a list of rows of the same length.
+template <class ReadRow, class NameRow>
+bool ValueReader::read_rows(std::size_t& columns, std::vector<double>& all, const Subject& subject,
+                            const Node& node, ReadRow&& read_row, NameRow&& name_row) const {
+  columns = 0;
+  all.clear();
   const auto* list = node.as<List>();
-  if (list == nullptr) return wrong_kind(subject, node);
-  PointList result;
-  if (list->empty() || list->front().as<List>() == nullptr) {
-    auto coordinates = numbers(subject, *list, node);
-    if (!coordinates) return std::nullopt;
-    return PointList{1, *std::move(coordinates)};
+  if (list == nullptr || list->empty() || list->front().as<List>() == nullptr) {
+    columns = 1;
+    return read_into(all, subject, node);
   }
   for (const Node& element : *list) {
-    const auto point = space_vector(subject, element);
-    if (!point) return std::nullopt;
-    const std::size_t dimension = point->components.size();
-    if (result.dimension == 0) result.dimension = dimension;
-    if (dimension != result.dimension) {
-      return wrong(FaultCode::scene_wrong_count, subject, element,
-                   fmt::format("point {} has {} coordinate{}, the first has {}", result.count(),
-                               dimension, dimension == 1 ? "" : "s", result.dimension));
-    }
-    result.coordinates.insert(result.coordinates.end(), point->components.begin(),
-                              point->components.end());
-  }
-  return result;
-}
-
-std::optional<NumberTable> ValueReader::number_table(const Subject& subject,
-                                                     const Node& node) const {
-  const auto* list = node.as<List>();
-  if (list == nullptr) return wrong_kind(subject, node);
-  NumberTable result;
-  if (list->empty() || list->front().as<List>() == nullptr) {
-    auto column = numbers(subject, *list, node);
-    if (!column) return std::nullopt;
-    return NumberTable{1, *std::move(column)};
-  }
-  for (const Node& element : *list) {
-    const auto* row = element.as<List>();
-    if (row == nullptr) return wrong_kind(subject, element);
-    const auto entries = numbers(subject, *row, element);
-    if (!entries) return std::nullopt;
-    if (result.columns == 0) result.columns = entries->size();
-    if (entries->size() != result.columns) {
+    std::vector<double> row;
+    if (!read_row(element, row)) return false;
+    if (columns == 0) columns = row.size();
+    if (row.size() != columns) {
       return wrong(
           FaultCode::scene_wrong_count, subject, element,
-          fmt::format("row {} has {} entr{}, the first has {}", result.rows(), entries->size(),
-                      entries->size() == 1 ? "y" : "ies", result.columns));
+          fmt::format("{}, the first has {}", name_row(all.size() / columns, row.size()), columns));
     }
-    result.numbers.insert(result.numbers.end(), entries->begin(), entries->end());
+    all.insert(all.end(), row.begin(), row.end());
   }
-  return result;
+  return true;
 }
 
-std::optional<WordList> ValueReader::word_list(const Subject& subject, const Node& node) const {
+bool ValueReader::read_into(PointList& value, const Subject& subject, const Node& node) const {
+  const auto read_point = [&](const Node& element, std::vector<double>& coordinates) {
+    SpaceVector point;
+    if (!read_into(point, subject, element)) return false;
+    coordinates = std::move(point.components);
+    return true;
+  };
+  const auto name_of = [](std::size_t point, std::size_t size) {
+    return fmt::format("point {} has {} coordinate{}", point, size, size == 1 ? "" : "s");
+  };
+  return read_rows(value.dimension, value.coordinates, subject, node, read_point, name_of);
+}
+
+bool ValueReader::read_into(NumberTable& value, const Subject& subject, const Node& node) const {
+  const auto read_row = [&](const Node& element, std::vector<double>& row) {
+    return read_into(row, subject, element);
+  };
+  const auto name_of = [](std::size_t row, std::size_t size) {
+    return fmt::format("row {} has {} entr{}", row, size, size == 1 ? "y" : "ies");
+  };
+  return read_rows(value.columns, value.numbers, subject, node, read_row, name_of);
+}
+
+bool ValueReader::read_into(WordList& value, const Subject& subject, const Node& node) const {
+  value = {};
   const auto* list = node.as<List>();
   if (list == nullptr) return wrong_kind(subject, node);
-  WordList result;
   std::set<std::string> seen;
   for (const Node& element : *list) {
-    auto word = text(subject, element);
-    if (!word) return std::nullopt;
-    if (!seen.insert(*word).second) {
+    std::string& word = value.words.emplace_back();
+    if (!read_into(word, subject, element)) return false;
+    if (!seen.insert(word).second) {
       return wrong(FaultCode::scene_duplicate_key, subject, element, "is given twice");
     }
-    result.words.push_back(*std::move(word));
   }
-  return result;
+  return true;
 }
 
-std::optional<FlagList> ValueReader::flag_list(const Subject& subject, const Node& node) const {
-  const auto* list = node.as<List>();
-  if (list == nullptr) return wrong_kind(subject, node);
-  if (list->empty()) return wrong(FaultCode::scene_wrong_count, subject, node, "the list is empty");
-  FlagList result;
+bool ValueReader::read_into(FlagList& value, const Subject& subject, const Node& node) const {
+  value = {};
+  const List* list = filled_list(subject, node);
+  if (list == nullptr) return false;
   for (const Node& element : *list) {
-    const bool* flag = element.as<bool>();
-    if (flag == nullptr) return wrong_kind(subject, element);
-    result.flags.push_back(*flag);
+    bool flag = false;
+    if (!read_into(flag, subject, element)) return false;
+    value.flags.push_back(flag);
   }
-  return result;
+  return true;
 }
 
-std::optional<Passing> ValueReader::passing(const Subject& subject, const Node& node) const {
+bool ValueReader::read_into(Passing& value, const Subject& subject, const Node& node) const {
   const auto* table = node.as<Table>();
   if (table == nullptr) return wrong_kind(subject, node);
-  Passing result;
+  value = {};
   bool counted = false;
   for (const Entry& entry : table->entries) {
     const std::string path = subject.key + "." + entry.key;
@@ -530,35 +447,35 @@ std::optional<Passing> ValueReader::passing(const Subject& subject, const Node& 
     if (entry.key == "when") {
       const auto* given = entry.value.as<std::string>();
       if (given == nullptr || given->empty()) return wrong_kind(inner, entry.value);
-      result.when = *given;
+      value.when = *given;
     } else if (entry.key == "above" || entry.key == "below") {
       const auto x = number(inner, entry.value);
-      if (!x) return std::nullopt;
-      (entry.key == "above" ? result.above : result.below) = *x;
+      if (!x) return false;
+      (entry.key == "above" ? value.above : value.below) = *x;
     } else if (entry.key == "times") {
       const auto times = index(inner, entry.value);
-      if (!times) return std::nullopt;
+      if (!times) return false;
       if (*times < 1) {
         return wrong(FaultCode::scene_out_of_range, inner, entry.value, "out of range: at least 1");
       }
-      result.times = *times;
+      value.times = *times;
       counted = true;
     } else {
       return wrong(FaultCode::scene_unknown_key, subject, node,
                    "unknown key " + shortened(entry.key, kLongestShownValue));
     }
   }
-  if (result.when.empty()) {
+  if (value.when.empty()) {
     return wrong(FaultCode::scene_missing_key, subject, node, "when is missing");
   }
-  if (!result.above && !result.below) {
+  if (!value.above && !value.below) {
     return wrong(FaultCode::scene_missing_key, subject, node, "above or below is missing");
   }
-  if (result.above && result.below && !(*result.below < *result.above)) {
+  if (value.above && value.below && !(*value.below < *value.above)) {
     return wrong(FaultCode::scene_conflict, subject, node, "below is not less than above");
   }
-  if (result.above && result.below && !counted) result.times = kWithoutEnd;
-  return result;
+  if (value.above && value.below && !counted) value.times = kWithoutEnd;
+  return true;
 }
 
 // A number as it stands, or the value of an expression; not yet held against the interval.
@@ -566,7 +483,10 @@ std::optional<double> ValueReader::evaluated(const Subject& subject, const Node&
   if (const auto* given = node.as<std::int64_t>()) return static_cast<double>(*given);
   if (const auto* given = node.as<double>()) return *given;
   const auto* expression = node.as<std::string>();
-  if (expression == nullptr) return wrong_kind(subject, node);
+  if (expression == nullptr) {
+    wrong_kind(subject, node);
+    return std::nullopt;
+  }
   auto result = parameters_.evaluate(*expression, count_.value);
   if (const auto* error = std::get_if<ExpressionError>(&result)) {
     const bool of_particles =
@@ -630,16 +550,15 @@ bool ValueReader::is_word(const Subject& subject, const Node& node, const std::s
   return false;
 }
 
-std::nullopt_t ValueReader::wrong_kind(const Subject& subject, const Node& node) const {
-  faults_.of_value(node, {FaultCode::scene_wrong_type, subject.key, "found " + kind_of(node),
-                          admissible_values(subject.row)});
-  return std::nullopt;
+bool ValueReader::wrong_kind(const Subject& subject, const Node& node) const {
+  faults_.of_wrong_type(node, subject.key, admissible_values(subject.row));
+  return false;
 }
 
-std::nullopt_t ValueReader::wrong(FaultCode code, const Subject& subject, const Node& node,
-                                  std::string why) const {
+bool ValueReader::wrong(FaultCode code, const Subject& subject, const Node& node,
+                        std::string why) const {
   faults_.of_value(node, {code, subject.key, std::move(why), admissible_values(subject.row)});
-  return std::nullopt;
+  return false;
 }
 
 }  // namespace tomlin

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -62,45 +64,58 @@ class ValueReader {
     const std::string& key;
   };
 
+  /// A number within the row's interval.
   std::optional<double> number(const Subject& subject, const Node& node) const;
-  std::optional<std::int64_t> integer(const Subject& subject, const Node& node) const;
+  /// An integer, to which the row's interval does not apply.
   std::optional<std::int64_t> index(const Subject& subject, const Node& node) const;
-  std::optional<std::vector<double>> numbers(const Subject& subject, const List& list,
-                                             const Node& whole) const;
-  std::optional<std::string> text(const Subject& subject, const Node& node) const;
-  std::optional<SpaceVector> space_vector(const Subject& subject, const Node& node) const;
-  std::optional<PerParticle> per_particle(const Subject& subject, const Node& node) const;
-  std::optional<PerParticleVector> per_particle_vector(const Subject& subject,
-                                                       const Node& node) const;
-  std::optional<PairSelection> pair_selection(const Subject& subject, const Node& node) const;
-  std::optional<WordOrNumbers> word_or_numbers(const Subject& subject, const Node& node) const;
-  std::optional<Attachment> attachment(const Subject& subject, const Node& node) const;
-  std::optional<PointList> point_list(const Subject& subject, const Node& node) const;
-  std::optional<WordList> word_list(const Subject& subject, const Node& node) const;
-  std::optional<NumberTable> number_table(const Subject& subject, const Node& node) const;
-  std::optional<FlagList> flag_list(const Subject& subject, const Node& node) const;
-  std::optional<Formula> formula(const Subject& subject, const Node& node) const;
-  std::optional<FormulaList> formula_list(const Subject& subject, const Node& node) const;
-  std::optional<AngleSelection> angle_selection(const Subject& subject, const Node& node) const;
-  std::optional<NamePerParticle> names_of_particles(const Subject& subject, const Node& node) const;
-  std::optional<Passing> passing(const Subject& subject, const Node& node) const;
+  /// A list with entries; null with a fault where there is none.
+  const List* filled_list(const Subject& subject, const Node& node) const;
+
+  // One for each kind of value; false with a fault where there is none.
+  bool read_into(double& value, const Subject& subject, const Node& node) const;
+  bool read_into(std::int64_t& value, const Subject& subject, const Node& node) const;
+  bool read_into(bool& value, const Subject& subject, const Node& node) const;
+  bool read_into(std::string& value, const Subject& subject, const Node& node) const;
+  bool read_into(std::vector<double>& value, const Subject& subject, const Node& node) const;
+  bool read_into(SpaceVector& value, const Subject& subject, const Node& node) const;
+  bool read_into(PerParticle& value, const Subject& subject, const Node& node) const;
+  bool read_into(PerParticleVector& value, const Subject& subject, const Node& node) const;
+  bool read_into(PairSelection& value, const Subject& subject, const Node& node) const;
+  bool read_into(WordOrNumbers& value, const Subject& subject, const Node& node) const;
+  bool read_into(Attachment& value, const Subject& subject, const Node& node) const;
+  bool read_into(PointList& value, const Subject& subject, const Node& node) const;
+  bool read_into(WordList& value, const Subject& subject, const Node& node) const;
+  bool read_into(NumberTable& value, const Subject& subject, const Node& node) const;
+  bool read_into(FlagList& value, const Subject& subject, const Node& node) const;
+  bool read_into(Formula& value, const Subject& subject, const Node& node) const;
+  bool read_into(FormulaList& value, const Subject& subject, const Node& node) const;
+  bool read_into(AngleSelection& value, const Subject& subject, const Node& node) const;
+  bool read_into(NamePerParticle& value, const Subject& subject, const Node& node) const;
+  bool read_into(Passing& value, const Subject& subject, const Node& node) const;
+  template <std::size_t N>
+  bool read_tuples(std::vector<std::array<std::int64_t, N>>& tuples, const char* name,
+                   const Subject& subject, const Node& node) const;
+  template <class ReadRow, class NameRow>
+  bool read_rows(std::size_t& columns, std::vector<double>& all, const Subject& subject,
+                 const Node& node, ReadRow&& read_row, NameRow&& name_row) const;
 
   bool names_particles(const Node& node) const;
   std::string keys_of_particles() const;
-  std::optional<std::vector<double>> numbers_for_each(const Subject& subject, const Node& node,
-                                                      std::int64_t count) const;
-  std::optional<std::vector<SpaceVector>> vectors_for_each(const Subject& subject, const Node& node,
-                                                           std::int64_t count) const;
+  bool read_for_each(std::vector<double>& values, const Subject& subject, const Node& node,
+                     std::int64_t count) const;
+  bool read_for_each(std::vector<SpaceVector>& values, const Subject& subject, const Node& node,
+                     std::int64_t count) const;
+  bool has_count(const List& list, const Subject& subject, const Node& node,
+                 std::int64_t count) const;
 
   std::optional<double> evaluated(const Subject& subject, const Node& node) const;
   bool in_range(const Subject& subject, const Node& node, double x) const;
   bool is_word(const Subject& subject, const Node& node, const std::string& word,
                const std::vector<std::string>& words) const;
 
-  // Each reports and gives nothing.
-  std::nullopt_t wrong_kind(const Subject& subject, const Node& node) const;
-  std::nullopt_t wrong(FaultCode code, const Subject& subject, const Node& node,
-                       std::string why) const;
+  // Each reports and returns false.
+  bool wrong_kind(const Subject& subject, const Node& node) const;
+  bool wrong(FaultCode code, const Subject& subject, const Node& node, std::string why) const;
 
   const ParameterTable& parameters_;
   FaultList& faults_;

@@ -157,9 +157,9 @@ TEST(FrictionFlow, IsTheExactFlowOfTheDrag) {
             ++compared;
             EXPECT_LE(std::abs(found - expected), allowed) << found << " for " << expected;
           });
-      check.look_at_flow(false);
-      check.look_at_repetition();
-      check.look_at_heat();
+      check.check_solution(false);
+      check.check_repetition();
+      check.check_heat();
       EXPECT_GT(compared, 10);
     }
   }

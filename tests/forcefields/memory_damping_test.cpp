@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "framework/model/model.hpp"
+#include "framework/model/stability.hpp"
 #include "framework/run/results/observables.hpp"
 #include "tests/support/order.hpp"
 #include "tests/support/scenes.hpp"
@@ -341,7 +342,7 @@ TEST(MemoryDamping, HasASayInTheStableStep) {
   RunState state(layout);
   model.attach(state);
   model.start();
-  EXPECT_NEAR(model.stable_step(*model.scene().run.integrator.record), kRk4 * 1e-3, 1e-5);
+  EXPECT_NEAR(stable_step_of(model, *model.scene().run.integrator.record), kRk4 * 1e-3, 1e-5);
   const RunResult refused =
       run_text(particle(0.0, 0.8) + memory_force(fast) + run_of(1.0, fixed_step(4e-3)));
   EXPECT_EQ(refused.status, RunStatus::failed);

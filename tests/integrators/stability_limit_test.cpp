@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "framework/core/records/integrator.hpp"
+#include "framework/model/stability.hpp"
 #include "tests/support/oscillator.hpp"
 #include "tests/support/scenes.hpp"
 
@@ -35,7 +36,7 @@ Oscillator oscillator(const Case& c) {
 double limit_of(const Case& c) {
   const std::string any = held_to(c.scheme, 0.01);
   Engine engine(scene_of(oscillator(c).scene(any), {{"run.allow_unstable", "true"}}), {});
-  return engine.model().stable_step(*standard().integrator(c.scheme));
+  return stable_step_of(engine.model(), *standard().integrator(c.scheme));
 }
 
 /// The largest size that the motion comes to; infinite when the run fails.

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstddef>
+#include <string_view>
+
 /// Classes of ASCII characters. Those of the C library depend on the locale.
 namespace tomlin {
 
@@ -9,5 +12,14 @@ inline bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c 
 inline bool is_letter_or_underscore(char c) { return is_letter(c) || c == '_'; }
 inline bool is_blank(char c) { return c == ' ' || c == '\t'; }
 inline bool is_space(char c) { return is_blank(c) || c == '\r'; }
+inline char in_lower_case(char c) {
+  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+}
+/// The text without these characters at its ends, by default the white space of a line.
+inline std::string_view trimmed(std::string_view text, std::string_view characters = " \t\r") {
+  const std::size_t begin = text.find_first_not_of(characters);
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(characters) - begin + 1);
+}
 
 }  // namespace tomlin

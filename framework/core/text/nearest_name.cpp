@@ -5,6 +5,8 @@
 #include <tuple>
 #include <utility>
 
+#include "framework/core/text/ascii.hpp"
+
 namespace tomlin {
 namespace {
 
@@ -13,12 +15,9 @@ constexpr std::size_t kLongestName = 128;
 constexpr std::size_t kShortestAbbreviation = 3;
 constexpr std::size_t kMostEdits = 4;
 
-// Not std::tolower, which depends on the locale.
-char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
-
 std::string lower(std::string_view text) {
   std::string result(text);
-  for (char& c : result) c = lower(c);
+  for (char& c : result) c = in_lower_case(c);
   return result;
 }
 

@@ -71,10 +71,8 @@ std::optional<Number> whole_number(std::string_view word) {
 }
 
 bool is_same_key(std::string_view one, std::string_view other) {
-  return std::equal(one.begin(), one.end(), other.begin(), other.end(), [](char a, char b) {
-    const auto small = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; };
-    return small(a) == small(b);
-  });
+  return std::equal(one.begin(), one.end(), other.begin(), other.end(),
+                    [](char a, char b) { return in_lower_case(a) == in_lower_case(b); });
 }
 
 /// The value of a key in a line of key=value, of which a value may stand in quotation marks;

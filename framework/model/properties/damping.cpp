@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/model/properties/force_under_test.hpp"
+#include "framework/model/properties/slopes.hpp"
 
 /// Forces against velocities: what they take out, and where the ledger puts it.
 namespace tomlin::properties {
@@ -9,13 +9,14 @@ namespace {
 
 /// Speeds in parts of the usual one, a length per unit of time.
 constexpr double kSpeeds[] = {1.0, 1e-3, 1e3};
-/// From fast to slow, for bounds that are reached in between or at rest only.
-constexpr double kFast = 1e3;
-constexpr double kSlow = 1e-9;
-constexpr double kSlower = 0.125;
-constexpr double kTinyTime = 1e-12;  // of a difference in quadruple precision, or of the duration
-constexpr double kShortTime = 1e-3;  // of the longest difference in double ones
-constexpr double kTrust = 10.0;      // two orders differ by more than the better one is off
+/// Speeds of a geometric sequence, for bounds that are reached in between or at rest only.
+constexpr double kFastest = 1e3;
+constexpr double kSlowest = 1e-9;
+constexpr double kSpeedRatio = 0.125;
+/// Differences in time, in parts of a unit of time: in quadruple precision, and the longest in
+/// double precision.
+constexpr double kQuadTimeDifference = 1e-12;
+constexpr double kLongestTimeDifference = 1e-3;
 
 State at_speed(const State& state, double factor) {
   State fast = state;
@@ -51,6 +52,12 @@ class Coefficients : public FrictionSink {
   }
   std::vector<std::vector<double>> of_particle;
 };
+
+Coefficients coefficients_of(ForceUnderTest& e) {
+  Coefficients coefficients(e.alone().model());
+  e.force().friction->friction(coefficients);
+  return coefficients;
+}
 
 /// Whether energies change with time: by a driver's work, or by heat that is taken out.
 bool time_goes_on(const ForceUnderTest& e) {
@@ -102,8 +109,8 @@ Gain gain_at(ForceUnderTest& e, ForceTwin<double>& twin, const State& state, dou
   if (e.exact() != nullptr) {
     Later<Quad> later(e, *e.exact(), state);
     // Steps of time that a double holds exactly.
-    const double h =
-        std::ldexp(1.0, static_cast<int>(std::floor(std::log2(kTinyTime * unit_of_time(e)))));
+    const double h = std::ldexp(
+        1.0, static_cast<int>(std::floor(std::log2(kQuadTimeDifference * unit_of_time(e)))));
     const Quad near = (later(Quad(h)) - later(Quad(-h))) / Quad(2.0 * h);
     const Quad far = (later(Quad(2.0 * h)) - later(Quad(-2.0 * h))) / Quad(4.0 * h);
     const double energy = std::abs(static_cast<double>(later(Quad(0.0))));
@@ -118,7 +125,7 @@ Gain gain_at(ForceUnderTest& e, ForceTwin<double>& twin, const State& state, dou
       });
   Later<double> later(e, twin, state);
   double slope[3] = {};
-  double h = kShortTime * unit_of_time(e);
+  double h = kLongestTimeDifference * unit_of_time(e);
   double energy = 0.0;
   for (double& s : slope) {
     const double after = later(h);
@@ -129,148 +136,132 @@ Gain gain_at(ForceUnderTest& e, ForceTwin<double>& twin, const State& state, dou
   const double first = (4.0 * slope[1] - slope[0]) / 3.0;
   const double second = (4.0 * slope[2] - slope[1]) / 3.0;
   const double rounding = kRounding * (energy + size + noise) / (2.0 * h);
-  return {(16.0 * second - first) / 15.0, kTrust * std::abs(second - first) + rounding};
+  return {(16.0 * second - first) / 15.0,
+          kErrorPerDifference * std::abs(second - first) + rounding};
 }
 
 }  // namespace
 
-std::optional<PropertyResult> dissipative(ForceUnderTest& e) {
-  if (!e.traits().dissipative) return std::nullopt;
-  e.begin("dissipative", "its power is never positive, at any speed");
-  for (const State* state : e.everywhere()) {
-    for (const double speed : kSpeeds) {
-      const State moving = at_speed(*state, speed);
-      const Power power = power_of(e.forces(moving), moving);
-      const double positive = power.sum < 0.0 ? 0.0 : power.sum;
-      e.note(positive, 0.0, power.size, kRounding * power.size, moving);
-    }
-    e.count_state();
+bool dissipative(ForceUnderTest& e, const State& state) {
+  for (const double speed : kSpeeds) {
+    const State moving = at_speed(state, speed);
+    const Power power = power_of(e.forces(moving), moving);
+    const double positive = power.sum < 0.0 ? 0.0 : power.sum;
+    e.note(positive, 0.0, power.size, kRounding * power.size, moving);
   }
-  return e.end();
+  return true;
+}
+
+bool coefficients_are_positive(ForceUnderTest& e) {
+  for (const auto& of_body : coefficients_of(e).of_particle) {
+    for (const double coefficient : of_body) {
+      if (!(coefficient >= 0.0)) e.contradict(coefficient, 0.0);
+    }
+  }
+  return true;
 }
 
 /// Coefficients times velocities, on particles or, for bodies that move as one, on their centre.
-std::optional<PropertyResult> friction(ForceUnderTest& e) {
-  if (!e.force().friction->is_friction()) return std::nullopt;
-  e.begin("friction", "the friction matrix = minus the force's slopes in the velocities");
-  const Model& model = e.alone().model();
-  Coefficients coefficients(model);
-  e.force().friction->friction(coefficients);
+bool friction(ForceUnderTest& e, const State& state) {
+  const Coefficients coefficients = coefficients_of(e);
   const auto coefficient_of = [&](const Variable& variable) {
     const auto& of_body = coefficients.of_particle[variable.body];
-    const BodySlot<double>& slot = model.bodies()[variable.body].bound.slot;
+    const BodySlot<double>& slot = e.alone().model().bodies()[variable.body].bound.slot;
     if (!slot.rigid) return of_body[(variable.at - slot.offset) % slot.stride];
     double sum = 0.0;
     for (const double coefficient : of_body) sum += coefficient;
     return sum;
   };
-  for (const auto& of_body : coefficients.of_particle) {
-    for (const double coefficient : of_body) {
-      if (!(coefficient >= 0.0)) e.contradict(coefficient, 0.0);
+  const std::vector<double> at_rest = e.forces(still(state));
+  for (const double speed : kSpeeds) {
+    State moving = at_speed(state, speed);
+    for (std::size_t i = 0; i < e.count(); ++i) {
+      if (e.variable(i).axis < 0) moving.v[i] = 0.0;
     }
-  }
-  for (const State& state : e.near()) {
-    const std::vector<double> at_rest = e.forces(still(state));
-    for (const double speed : kSpeeds) {
-      State moving = at_speed(state, speed);
-      for (std::size_t i = 0; i < e.count(); ++i) {
-        if (e.variable(i).axis < 0) moving.v[i] = 0.0;
-      }
-      std::vector<double> drag = e.forces(moving);
-      const double size = e.largest(drag) + e.largest(at_rest);
-      std::vector<double> expected(e.count());
-      for (std::size_t i = 0; i < e.count(); ++i) {
-        drag[i] -= at_rest[i];
-        // A rotation is dragged along by a centre of friction that is not that of mass.
-        expected[i] =
-            e.variable(i).axis < 0 ? drag[i] : -coefficient_of(e.variable(i)) * moving.v[i];
-      }
-      e.note(drag, expected, size, kRounding * size * static_cast<double>(e.count()), moving);
+    std::vector<double> drag = e.forces(moving);
+    const double size = e.largest(drag) + e.largest(at_rest);
+    std::vector<double> expected(e.count());
+    for (std::size_t i = 0; i < e.count(); ++i) {
+      drag[i] -= at_rest[i];
+      // A rotation is dragged along by a centre of friction that is not that of mass.
+      expected[i] = e.variable(i).axis < 0 ? drag[i] : -coefficient_of(e.variable(i)) * moving.v[i];
     }
-    e.count_state();
+    e.note(drag, expected, size, kRounding * size * static_cast<double>(e.count()), moving);
   }
-  return e.end();
+  return true;
 }
 
 /// Between rest and slower and slower motion, where friction is usually at its stiffest.
-std::optional<PropertyResult> friction_bound(ForceUnderTest& e) {
+bool friction_bound(ForceUnderTest& e, const State& state) {
   const double bound = e.force().friction->friction_bound();
-  if (bound == 0.0) return std::nullopt;
-  e.begin("friction bound", "the force changes with velocities by no more than its bound");
   const Model& model = e.alone().model();
   const double root = std::sqrt(static_cast<double>(model.dimension()));  // |v| over a component
-  for (const State& state : e.near()) {
-    const std::vector<double> at_rest = e.forces(still(state));
-    for (double speed = kFast; speed > kSlow; speed *= kSlower) {
-      State moving = at_speed(state, speed);
-      double largest = 0.0;  // that the bound allows
-      for (std::size_t i = 0; i < e.count(); ++i) {
-        const Variable& variable = e.variable(i);
-        if (variable.axis < 0) moving.v[i] = 0.0;
-        const BodySlot<double>& slot = model.bodies()[variable.body].bound.slot;
-        const double particles = slot.rigid ? static_cast<double>(slot.count) : 1.0;
-        largest = std::max(largest, bound * particles * root * std::abs(moving.v[i]));
-      }
-      const std::vector<double> forces = e.forces(moving);
-      double change = 0.0;
-      double size = 0.0;
-      for (std::size_t i = 0; i < e.count(); ++i) {
-        if (e.variable(i).axis < 0) continue;
-        change = std::max(change, std::abs(forces[i] - at_rest[i]));
-        size = std::max(size, std::abs(forces[i]) + std::abs(at_rest[i]));
-      }
-      e.note(std::max(0.0, change - largest), 0.0, size,
-             kRounding * size * static_cast<double>(e.count()), moving);
+  const std::vector<double> at_rest = e.forces(still(state));
+  for (double speed = kFastest; speed > kSlowest; speed *= kSpeedRatio) {
+    State moving = at_speed(state, speed);
+    double largest = 0.0;  // that the bound allows
+    for (std::size_t i = 0; i < e.count(); ++i) {
+      const Variable& variable = e.variable(i);
+      if (variable.axis < 0) moving.v[i] = 0.0;
+      const BodySlot<double>& slot = model.bodies()[variable.body].bound.slot;
+      const double particles = slot.rigid ? static_cast<double>(slot.count) : 1.0;
+      largest = std::max(largest, bound * particles * root * std::abs(moving.v[i]));
     }
-    e.count_state();
+    const std::vector<double> forces = e.forces(moving);
+    double change = 0.0;
+    double size = 0.0;
+    for (std::size_t i = 0; i < e.count(); ++i) {
+      if (e.variable(i).axis < 0) continue;
+      change = std::max(change, std::abs(forces[i] - at_rest[i]));
+      size = std::max(size, std::abs(forces[i]) + std::abs(at_rest[i]));
+    }
+    e.note(std::max(0.0, change - largest), 0.0, size,
+           kRounding * size * static_cast<double>(e.count()), moving);
   }
-  return e.end();
+  return true;
+}
+
+bool takes_part_in_balance(ForceUnderTest& e) {
+  return !e.on_prescribed() && (e.traits().conservative || e.traits().does_work ||
+                                e.traits().depends_on_velocity || e.twin().heat().has_value());
 }
 
 /// -F.v = dU/dt + heat - power in. Only for forces that take part in the ledger: those with an
 /// energy, with heat or what velocities make of it, or with a support. Prescribed bodies do work
 /// of their own.
-std::optional<PropertyResult> balance(ForceUnderTest& e) {
-  const auto twin = e.twin();
-  const bool takes_part = e.traits().conservative || e.traits().does_work ||
-                          e.traits().depends_on_velocity || twin->heat().has_value();
-  if (!takes_part || e.on_prescribed()) return std::nullopt;
-  e.begin("balance", "power = energy stored + heat - a driver's work, as the ledger adds them");
-  for (const State* state : e.everywhere()) {
-    if (state->kind == StateKind::contact) continue;
-    const std::vector<double> forces = e.forces(*state);
-    double work = 0.0;
-    if (e.traits().does_work && e.alone().force().first_rate != kNoRate) {
-      const auto at = static_cast<std::size_t>(e.alone().force().first_rate);
-      work = e.alone().rates()[at + static_cast<std::size_t>(e.alone().model().dimension())];
-    }
-    const double sensitivity = e.sensitivity(*state);
-    if (!std::isfinite(e.largest(forces)) || !std::isfinite(sensitivity)) continue;
-    const Power taken = power_of(forces, *state);
-    e.put(*state, *twin);
-    twin->evaluate(state->time);
-    const double heat = twin->heat().value_or(0.0);
-    const double noise = e.change_of(*state, [&](const State& at) {
-      e.put(at, *twin);
-      twin->evaluate(at.time);
-      return twin->heat().value_or(0.0);
-    });
-    double speed = 0.0;
-    for (std::size_t i = 0; i < e.count(); ++i) {
-      speed += std::abs(state->v[i]) / e.variable(i).unit;
-    }
-    const double size = taken.size + std::abs(work) + std::abs(heat);
-    const Gain gain = gain_at(e, *twin, *state, size);
-    double drive = 0.0;  // speed of a support, whose position is rounded too
-    if (const Drive* pulled = e.force().driving->drive()) {
-      for (const double v : pulled->velocity) drive += std::abs(v);
-    }
-    const double allowed = kRounding * (size + noise + sensitivity * (speed + drive)) + gain.error +
-                           kSmallest * (1.0 + speed);
-    e.note(-taken.sum, gain.value + heat - work, size, allowed, *state);
-    e.count_state();
+bool balance(ForceUnderTest& e, const State& state) {
+  if (state.kind == StateKind::contact) return false;
+  ForceTwin<double>& twin = e.twin();
+  const std::vector<double> forces = e.forces(state);
+  double work = 0.0;
+  if (e.traits().does_work && e.alone().force().first_rate != kNoRate) {
+    const auto at = static_cast<std::size_t>(e.alone().force().first_rate);
+    work = e.alone().rates()[at + static_cast<std::size_t>(e.alone().model().dimension())];
   }
-  return e.end();
+  const double sensitivity = e.sensitivity(state);
+  if (!std::isfinite(e.largest(forces)) || !std::isfinite(sensitivity)) return false;
+  const Power taken = power_of(forces, state);
+  const auto heat_at = [&](const State& at) {
+    e.put(at, twin);
+    twin.evaluate(at.time);
+    return twin.heat().value_or(0.0);
+  };
+  const double heat = heat_at(state);
+  const double noise = e.change_of(state, heat_at);
+  double speed = 0.0;
+  for (std::size_t i = 0; i < e.count(); ++i) {
+    speed += std::abs(state.v[i]) / e.variable(i).unit;
+  }
+  const double size = taken.size + std::abs(work) + std::abs(heat);
+  const Gain gain = gain_at(e, twin, state, size);
+  double drive = 0.0;  // speed of a support, whose position is rounded too
+  if (const Drive* pulled = e.force().driving->drive()) {
+    for (const double v : pulled->velocity) drive += std::abs(v);
+  }
+  const double allowed = kRounding * (size + noise + sensitivity * (speed + drive)) + gain.error +
+                         kSmallest * (1.0 + speed);
+  e.note(-taken.sum, gain.value + heat - work, size, allowed, state);
+  return true;
 }
 
 }  // namespace tomlin::properties

@@ -1,4 +1,3 @@
-#include <array>
 #include <cmath>
 #include <cstddef>
 
@@ -13,7 +12,7 @@ namespace {
 
 /// Parts of a force's size beyond which two numbers are different ones: far above what differences
 /// and rounding leave, at 1e-9, and below what a wrong declaration is about, which is all of it.
-constexpr double kDifferent = 1e-3;
+constexpr double kLeastDifference = 1e-3;
 
 bool differ(const std::vector<double>& found, const std::vector<double>& expected) {
   for (std::size_t i = 0; i < found.size(); ++i) {
@@ -33,70 +32,44 @@ std::vector<double> all_numbers(ForceUnderTest& e, const State& state) {
 
 }  // namespace
 
-std::optional<PropertyResult> not_conservative(ForceUnderTest& e) {
-  if (e.traits().conservative) return std::nullopt;
-  e.begin("not conservative", "it is not the gradient of its energy, and need not be declared so");
-  Random random(e.seed());
-  for (const State& state : e.near()) {
-    const Direction direction = e.random_direction(random);
-    const std::vector<double> forces = e.forces(state);
-    const Slope slope = slope_of(
-        [&](double h) {
-          e.put_moved(state, direction, h);
-          return e.alone().energy(state.time);
-        },
-        kLongestDifference * e.length());
-    const double apart = std::abs(work(forces, direction) + slope.best);
-    if (apart > kDifferent * effort(forces, direction)) e.note_shown(state);
-  }
-  return e.end();
+bool not_conservative(ForceUnderTest& e, const State& state) {
+  const Direction direction = e.random_direction(e.memory().random);
+  const std::vector<double> forces = e.forces(state);
+  const Slope slope = slope_of(
+      [&](double h) {
+        e.put_moved(state, direction, h);
+        return e.alone().energy(state.time);
+      },
+      kLongestDifference * e.length());
+  const double apart = std::abs(work(forces, direction) + slope.best);
+  return e.note_shown(apart > kLeastDifference * effort(forces, direction), state);
 }
 
-std::optional<PropertyResult> not_internal(ForceUnderTest& e) {
-  if (e.traits().internal || e.on_prescribed()) return std::nullopt;
-  e.begin("not internal", "its forces do not sum to zero, and need not be declared to");
-  for (const State& state : e.near()) {
-    const double size = e.largest(e.forces(state)) + e.terms(state).size;
-    std::array<double, 3> total{};
-    for (const std::size_t body : e.alone().force().bodies) {
-      const SingleForce::Wrench wrench = e.alone().wrench(body);
-      for (std::size_t a = 0; a < 3; ++a) total[a] += wrench.force[a];
-    }
-    const double net = std::hypot(total[0], total[1], total[2]);
-    // Forces that vanish sum to their rounding.
-    const double rounding = kRounding * e.sensitivity(state) * static_cast<double>(e.count());
-    if (net > kDifferent * size + rounding) e.note_shown(state);
-  }
-  return e.end();
+bool not_internal(ForceUnderTest& e, const State& state) {
+  const double size = e.largest(e.forces(state)) + e.terms(state).size;
+  const SingleForce::Wrench total = total_of(e);
+  const double net = std::hypot(total.force[0], total.force[1], total.force[2]);
+  // Forces that vanish sum to their rounding.
+  const double rounding = kRounding * e.sensitivity(state) * static_cast<double>(e.count());
+  return e.note_shown(net > kLeastDifference * size + rounding, state);
 }
 
-std::optional<PropertyResult> uses_velocity(ForceUnderTest& e) {
-  if (!e.traits().depends_on_velocity) return std::nullopt;
-  e.begin("uses velocity", "depends on velocities, as it declares");
-  for (const State& state : e.near()) {
-    State other = state;
-    for (std::size_t i = 0; i < e.count(); ++i) {
-      other.v[i] = -3.0 * state.v[i] + e.length() * e.variable(i).unit;
-    }
-    if (differ(all_numbers(e, other), all_numbers(e, state))) e.note_shown(state);
+bool uses_velocity(ForceUnderTest& e, const State& state) {
+  State other = state;
+  for (std::size_t i = 0; i < e.count(); ++i) {
+    other.v[i] = -3.0 * state.v[i] + e.length() * e.variable(i).unit;
   }
-  return e.end();
+  return e.note_shown(differ(all_numbers(e, other), all_numbers(e, state)), state);
 }
 
-std::optional<PropertyResult> uses_time(ForceUnderTest& e) {
-  if (!e.traits().depends_on_time || e.on_prescribed()) return std::nullopt;
-  e.begin("uses time", "depends on time, as it declares");
-  for (const State& state : e.near()) {
-    State later = state;
-    // Both near the start and at some part of the run: laws of time may switch on and off.
-    for (const double by : {0.37 * e.alone().model().scene().run.duration, state.time}) {
-      later.time = state.time + by;
-      if (!differ(all_numbers(e, later), all_numbers(e, state))) continue;
-      e.note_shown(state);
-      break;
-    }
+bool uses_time(ForceUnderTest& e, const State& state) {
+  State later = state;
+  // Both near the start and at some part of the run: laws of time may switch on and off.
+  for (const double by : {0.37 * e.alone().model().scene().run.duration, state.time}) {
+    later.time = state.time + by;
+    if (differ(all_numbers(e, later), all_numbers(e, state))) return e.note_shown(true, state);
   }
-  return e.end();
+  return false;
 }
 
 }  // namespace tomlin::properties

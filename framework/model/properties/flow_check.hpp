@@ -42,21 +42,21 @@ class FlowCheck {
 
   /// Nothing happens in no time or to what is held; flows of parts make that of the whole, which is
   /// what rk4 comes to with its order; random ones differ by step, part and key.
-  void look_at_flow(bool stochastic) {
+  void check_solution(bool stochastic) {
     expect_same(after(0.0), start_);
-    look_at_held(time_);
+    check_held(time_);
     if (stochastic) {
-      look_at_keys(time_);
+      check_keys(time_);
     } else {
-      look_at_parts(time_);
-      look_at_march(time_);
+      check_parts(time_);
+      check_march(time_);
     }
     put(start_);
   }
 
   /// Expects the same bits from the same stage, whatever was asked before, and whether or not the
   /// heat is asked for.
-  void look_at_repetition() {
+  void check_repetition() {
     FlowStage<double> other = at_;
     other.step = 8;
     other.part = 1;
@@ -71,7 +71,7 @@ class FlowCheck {
   }
 
   /// The energy that is gone.
-  void look_at_heat() {
+  void check_heat() {
     for (const double h : times()) {
       put(start_);
       const double before = kinetic() + stored_();
@@ -147,7 +147,7 @@ class FlowCheck {
     return fastest > 0.0 ? std::min(1.0, largest(start_) / fastest) : 1.0;
   }
 
-  void look_at_held(double h) {
+  void check_held(double h) {
     put(start_);
     for (std::size_t i = 0; i < dofs_; ++i) {
       if (at_.inverse_mass[i] == 0.0) at_.velocity[i] = 0.0;
@@ -158,7 +158,7 @@ class FlowCheck {
     }
   }
 
-  void look_at_keys(double h) {
+  void check_keys(double h) {
     if (after(h) == start_) return;  // of zero strength
     FlowStage<double> step = at_, part = at_, key = at_;
     step.step += 1;
@@ -170,7 +170,7 @@ class FlowCheck {
     }
   }
 
-  void look_at_parts(double time) {
+  void check_parts(double time) {
     for (const double h : {time, 30.0 * time}) {
       const Numbers whole = after(h);
       put(start_);
@@ -182,28 +182,28 @@ class FlowCheck {
   /// Growth of rounding by the flow, at the start and later: more if it is not linear, and drives
   /// neighbours apart; the steps that a flow takes round, too.
   double growth(double h) const {
-    constexpr double kShake = 0x1p-24;
+    constexpr double kRelativePerturbation = 0x1p-24;
     double most = 0.0;
     for (const double from : {0.0, 0.1, 0.3, 0.6}) {
       const Numbers here = after(from * h);
       Numbers ends[2];
       for (Numbers& end : ends) {
-        Numbers shaken = here;
-        for (std::size_t k = 0; &end == &ends[1] && k < shaken.size(); ++k) {
-          shaken[k] +=
-              (k % 2 ? -kShake : kShake) * std::max(std::abs(here[k]), 0.1 * largest(here));
+        Numbers perturbed = here;
+        for (std::size_t k = 0; &end == &ends[1] && k < perturbed.size(); ++k) {
+          perturbed[k] += (k % 2 ? -kRelativePerturbation : kRelativePerturbation) *
+                          std::max(std::abs(here[k]), 0.1 * largest(here));
         }
-        put(shaken);
+        put(perturbed);
         flow_.run(flow_.arguments, at_, (1.0 - from) * h);
         end = present();
       }
-      most = std::max(most, difference(ends[0], ends[1]) / (kShake * largest(here)));
+      most = std::max(most, difference(ends[0], ends[1]) / (kRelativePerturbation * largest(here)));
     }
     return 16.0 * std::max(1.0, most);
   }
   /// The error of rk4 has to fall as its order says, if not at once then with shorter steps, or be
   /// nothing but rounding.
-  void look_at_march(double time) {
+  void check_march(double time) {
     constexpr int kMostMarches = 10240;
     const Numbers whole = after(time);
     const double rounding = 100.0 * kRounding * largest(start_);

@@ -39,12 +39,12 @@ constexpr double kHigh[] = {3.0, 10.0, 30.0};
 constexpr double kTouching[] = {1e-3, 1e-6};
 /// Change of the rates of own variables, in parts of the largest, by which they are others; and the
 /// shortest part of a unit of time.
-constexpr double kOthers = 2.0;
-constexpr double kShortest = 0x1p-60;
+constexpr double kRateChange = 2.0;
+constexpr double kShortestTime = 0x1p-60;
 /// Pairs and particles beyond which few states are looked at, and none in quadruple precision,
 /// where it would take minutes.
-constexpr double kMany = 2e3;
-constexpr double kTooMany = 2e5;
+constexpr double kManyTerms = 2e3;
+constexpr double kMostTermsInQuadruple = 2e5;
 
 std::uint64_t pairs_of(const Scene& scene, const SceneForce& force) {
   SceneOutline outline;
@@ -88,7 +88,7 @@ ForceUnderTest::ForceUnderTest(const Scene& scene, std::size_t force, double len
   latest_ = latest_time();
   list_hidden();
   if (!hidden_.empty()) {
-    by_terms_ = twin();
+    by_terms_ = std::make_unique<ForceTwin<double>>(alone_.model().plan());
     passes_ = by_terms_->force().bound->passes();
   }
   make_states();
@@ -189,7 +189,7 @@ void ForceUnderTest::make_states() {
       for (std::size_t k = 0; k < start.size(); ++k) {
         parts.push_back(0.5 * (1.0 + random.symmetric()) * rates[k]);
       }
-      for (double time = 1.0; time > kShortest; time *= 0.5) {
+      for (double time = 1.0; time > kShortestTime; time *= 0.5) {
         for (std::size_t k = 0; k < start.size(); ++k) state.own[k] = start[k] + time * parts[k];
         put(state);
         alone_.forces(state.time);
@@ -199,7 +199,7 @@ void ForceUnderTest::make_states() {
           size = std::max(size, std::abs(rates[k]));
           change = std::max(change, std::abs(alone_.rates()[k] - rates[k]));
         }
-        if (change <= kOthers * size) break;
+        if (change <= kRateChange * size) break;
       }
     }
   }
@@ -258,7 +258,7 @@ std::optional<State> ForceUnderTest::touching(double distance, Random& random) c
   return state;
 }
 
-bool ForceUnderTest::takes_long() const { return size_ > kMany; }
+bool ForceUnderTest::takes_long() const { return size_ > kManyTerms; }
 
 std::vector<const State*> ForceUnderTest::everywhere() const {
   std::vector<const State*> states;
@@ -332,18 +332,20 @@ double ForceUnderTest::reach(const State& state) const {
 
 // ---- the same force otherwise
 
-std::unique_ptr<ForceTwin<double>> ForceUnderTest::twin(InstructionSet set) const {
-  AssemblyPlan plan = alone_.model().plan();
-  plan.set = set;
-  return std::make_unique<ForceTwin<double>>(plan);
+ForceTwin<double>& ForceUnderTest::twin(const AssemblyPlan& plan) {
+  auto& twin = memory_.twins[plan.set];
+  if (twin == nullptr) twin = std::make_unique<ForceTwin<double>>(plan);
+  return *twin;
 }
 
-std::unique_ptr<ForceTwin<double>> ForceUnderTest::twin() const {
-  return twin(alone_.model().plan().set);
+ForceTwin<double>& ForceUnderTest::twin(InstructionSet set) {
+  AssemblyPlan plan = alone_.model().plan();
+  plan.set = set;
+  return twin(plan);
 }
 
 ForceTwin<Quad>* ForceUnderTest::exact() {
-  if (!sought_exact_ && record().bind.in_quadruple != nullptr && size_ <= kTooMany) {
+  if (!sought_exact_ && record().bind.in_quadruple != nullptr && size_ <= kMostTermsInQuadruple) {
     exact_ = std::make_unique<ForceTwin<Quad>>(alone_.model().plan());
   }
   sought_exact_ = true;
@@ -352,24 +354,46 @@ ForceTwin<Quad>* ForceUnderTest::exact() {
 
 // ---- the answer
 
-void ForceUnderTest::begin(const char* property, const char* meaning) {
-  const Model::Force& force = alone_.force();
-  now_ = {force.name, force.record->name, property, meaning, true, 0.0, 0.0, 0, {}};
-  strain_ = -1.0;
+std::vector<const State*> ForceUnderTest::states_of(Property::States which) const {
+  if (which == Property::States::everywhere) return everywhere();
+  std::vector<const State*> states;
+  for (const State& state : near_) states.push_back(&state);
+  if (which == Property::States::backwards) std::reverse(states.begin(), states.end());
+  if (which == Property::States::three) {
+    states = {&near_[0], &near_[1 % near_.size()], &near_[2 % near_.size()]};
+  }
+  return states;
 }
 
-PropertyResult ForceUnderTest::end() {
+std::optional<PropertyResult> ForceUnderTest::check(const Property& property) {
+  const Model::Force& force = alone_.force();
+  now_ = {force.name, force.record->name, property.name, property.meaning, true, 0.0, 0.0, 0, {}};
+  strain_ = -1.0;
+  memory_ = {Random(options_.seed), 0.0, false, {}, {}};
+  withdrawn_ = false;
+  if (!property.applies(*this)) return std::nullopt;
+  if (property.prepare == nullptr || property.prepare(*this)) {
+    for (const State* state : states_of(property.states)) {
+      if (property.compare(*this, *state)) ++now_.states;
+      if (withdrawn_) return std::nullopt;
+    }
+  }
   alone_.restart();
   return now_;
 }
 
-void ForceUnderTest::note_shown(const State& state) {
-  count_state();
-  note(0.0, 0.0, 0.0, 0.0, state);
+bool ForceUnderTest::withdraw() {
+  withdrawn_ = true;
+  return false;
+}
+
+bool ForceUnderTest::note_shown(bool shown, const State& state) {
+  if (shown) note(0.0, 0.0, 0.0, 0.0, state);
+  return shown;
 }
 
 void ForceUnderTest::contradict(double found, double expected) {
-  count_state();
+  ++now_.states;
   note(found, expected, 1.0, -1.0, start_);
 }
 

@@ -60,10 +60,28 @@ struct State {
   std::vector<double> own;
   double time = 0.0;
   StateKind kind = StateKind::near;
+
+  bool is_close() const { return kind == StateKind::near || kind == StateKind::start; }
 };
 
 using Variable = SingleForce::Variable;
 using Direction = std::vector<double>;  ///< one number for each variable
+
+class ForceUnderTest;
+
+/// A row of the table of properties.
+struct Property {
+  const char* name;
+  const char* meaning;  ///< the equation or statement that is compared
+  /// Near the start; the same backwards; three of these; all, the extreme ones too.
+  enum class States { near, backwards, three, everywhere } states;
+  bool (*applies)(ForceUnderTest&);
+  /// Compares at one state, within a tolerance that is derived there; true where something was
+  /// compared.
+  bool (*compare)(ForceUnderTest&, const State&);
+  /// Runs before the first state; false where a contradiction leaves nothing to compare.
+  bool (*prepare)(ForceUnderTest&) = nullptr;
+};
 
 class ForceUnderTest {
  public:
@@ -86,13 +104,14 @@ class ForceUnderTest {
   double length() const { return length_; }
   std::size_t count() const { return alone_.variables().size(); }
   const Variable& variable(std::size_t i) const { return alone_.variables()[i]; }
-  std::uint64_t seed() const { return options_.seed; }
   /// So many pairs and particles that few states are looked at.
   bool takes_long() const;
 
-  /// The force bound on this instruction set.
-  std::unique_ptr<ForceTwin<double>> twin(InstructionSet set) const;
-  std::unique_ptr<ForceTwin<double>> twin() const;
+  /// The force bound once more, by this plan, on this instruction set or on that of the model: one
+  /// for each instruction set while a property is compared.
+  ForceTwin<double>& twin(const AssemblyPlan& plan);
+  ForceTwin<double>& twin(InstructionSet set);
+  ForceTwin<double>& twin() { return twin(alone_.model().plan()); }
   /// In quadruple precision; null where it is not available.
   ForceTwin<Quad>* exact();
 
@@ -102,6 +121,7 @@ class ForceUnderTest {
   const std::vector<State>& near() const { return near_; }
   /// The states of near() and the extreme ones; few where evaluations take long.
   std::vector<const State*> everywhere() const;
+  std::vector<const State*> states_of(Property::States which) const;
 
   void put(const State& state);
   void put_moved(const State& state, const Direction& direction, double h);
@@ -126,7 +146,7 @@ class ForceUnderTest {
 
   /// How much the largest force changes, per relative change of all that it reads: what the
   /// rounding of inputs makes of it. Infinite where it leaves the finite numbers; where even a
-  /// shake as small as rounding turns the force over, so much that everything is allowed.
+  /// perturbation as small as rounding turns the force over, so much that everything is allowed.
   double sensitivity(const State& state);
   /// Change of any other number likewise, or of several, each by itself.
   double change_of(const State& state, const std::function<double(const State&)>& number);
@@ -147,11 +167,22 @@ class ForceUnderTest {
 
   // ---- the answer
 
-  void begin(const char* property, const char* meaning);
-  PropertyResult end();
-  void count_state() { ++now_.states; }
-  /// Notes that something which has to be seen somewhere was seen at this state.
-  void note_shown(const State& state);
+  /// What a property keeps from one state to the next.
+  struct Memory {
+    Random random{1};
+    double largest = 0.0;   ///< size of the forces at the states so far
+    bool searched = false;  ///< one by one for the variable at fault
+    std::map<const State*, std::vector<double>> numbers;
+    std::map<InstructionSet, std::unique_ptr<ForceTwin<double>>> twins;
+  };
+  Memory& memory() { return memory_; }
+
+  /// Compares a property at its states; nothing where it does not apply.
+  std::optional<PropertyResult> check(const Property& property);
+  /// Ends the check in the middle: the property turns out not to apply.
+  bool withdraw();
+  /// Notes where something is seen that has to be seen at one state at least; returns `shown`.
+  bool note_shown(bool shown, const State& state);
   /// A contradiction within what is declared, which no state shows: `found` of something for
   /// `expected`.
   void contradict(double found, double expected);
@@ -171,14 +202,14 @@ class ForceUnderTest {
   bool holds() const { return now_.holds; }
 
  private:
-  State shaken(const State& state, double size, Random& random) const;
+  State perturbed(const State& state, double size, Random& random) const;
   struct Change {
     double size = 0.0;
-    double bend = 0.0;
+    double nonlinearity = 0.0;
     bool linear = true;
   };
-  Change change_by(const State& state, double shake);
-  double exact_change(const State& state, double shake);
+  Change change_by(const State& state, double perturbation);
+  double exact_change(const State& state, double perturbation);
   double sensitivity_at(const State& state);
   /// Coordinates of one axis of a body of the force that are no variables.
   struct Hidden {
@@ -209,6 +240,8 @@ class ForceUnderTest {
   std::vector<Pass<double>> passes_;             ///< of it
   bool sought_exact_ = false;
   std::map<const State*, double> sensitivities_;  ///< at near_ and extreme_
+  Memory memory_;
+  bool withdrawn_ = false;
   PropertyResult now_;
   double strain_ = 0.0;  ///< the largest part of what is allowed
 };
@@ -218,43 +251,64 @@ class ForceUnderTest {
 std::optional<PropertyResult> sum_of_all(const Scene& scene, double length,
                                          const PropertyOptions& options);
 
-// The properties of one force, each where it applies.
+// Comparisons of the table of properties, at one state.
 
-using PropertyCheck = std::optional<PropertyResult> (*)(ForceUnderTest&);
+bool conservative(ForceUnderTest& e, const State& state);
+bool not_conservative(ForceUnderTest& e, const State& state);
+bool exact(ForceUnderTest& e, const State& state);
+bool quadruple_gradient(ForceUnderTest& e, const State& state);
+bool quadruple_heat(ForceUnderTest& e, const State& state);
+bool path(ForceUnderTest& e, const State& state);
+bool hessian(ForceUnderTest& e, const State& state);
+bool stiffness(ForceUnderTest& e, const State& state);
+bool tight(ForceUnderTest& e, const State& state);
+bool finite(ForceUnderTest& e, const State& state);
+bool internal(ForceUnderTest& e, const State& state);
+bool not_internal(ForceUnderTest& e, const State& state);
+bool dissipative(ForceUnderTest& e, const State& state);
+bool friction(ForceUnderTest& e, const State& state);
+bool friction_bound(ForceUnderTest& e, const State& state);
+bool balance(ForceUnderTest& e, const State& state);
+bool flow(ForceUnderTest& e, const State& state);
+bool flow_repeats(ForceUnderTest& e, const State& state);
+bool heat_of_flow(ForceUnderTest& e, const State& state);
+bool driver(ForceUnderTest& e, const State& state);
+bool periodic(ForceUnderTest& e, const State& state);
+bool rebase(ForceUnderTest& e, const State& state);
+bool origin(ForceUnderTest& e, const State& state);
+bool velocity(ForceUnderTest& e, const State& state);
+bool uses_velocity(ForceUnderTest& e, const State& state);
+bool same_at_all_times(ForceUnderTest& e, const State& state);
+bool divided_time(ForceUnderTest& e, const State& state);
+bool uses_time(ForceUnderTest& e, const State& state);
+bool repeatable(ForceUnderTest& e, const State& state);
+bool its_own(ForceUnderTest& e, const State& state);
+bool set_and_add(ForceUnderTest& e, const State& state);
+bool padding(ForceUnderTest& e, const State& state);
+bool point(ForceUnderTest& e, const State& state);
+bool same_bits(ForceUnderTest& e, const State& state);
+bool number_types(ForceUnderTest& e, const State& state);
+bool digits(ForceUnderTest& e, const State& state);
 
-std::optional<PropertyResult> conservative(ForceUnderTest& e);
-std::optional<PropertyResult> not_conservative(ForceUnderTest& e);
-std::optional<PropertyResult> exact(ForceUnderTest& e);
-std::optional<PropertyResult> quadruple(ForceUnderTest& e);
-std::optional<PropertyResult> path(ForceUnderTest& e);
-std::optional<PropertyResult> hessian(ForceUnderTest& e);
-std::optional<PropertyResult> stiffness(ForceUnderTest& e);
-std::optional<PropertyResult> tight(ForceUnderTest& e);
-std::optional<PropertyResult> finite(ForceUnderTest& e);
-std::optional<PropertyResult> internal(ForceUnderTest& e);
-std::optional<PropertyResult> not_internal(ForceUnderTest& e);
-std::optional<PropertyResult> dissipative(ForceUnderTest& e);
-std::optional<PropertyResult> friction(ForceUnderTest& e);
-std::optional<PropertyResult> friction_bound(ForceUnderTest& e);
-std::optional<PropertyResult> balance(ForceUnderTest& e);
-std::optional<PropertyResult> flow(ForceUnderTest& e);
-std::optional<PropertyResult> flow_repeats(ForceUnderTest& e);
-std::optional<PropertyResult> heat_of_flow(ForceUnderTest& e);
-std::optional<PropertyResult> driver(ForceUnderTest& e);
-std::optional<PropertyResult> periodic(ForceUnderTest& e);
-std::optional<PropertyResult> rebase(ForceUnderTest& e);
-std::optional<PropertyResult> origin(ForceUnderTest& e);
-std::optional<PropertyResult> velocity(ForceUnderTest& e);
-std::optional<PropertyResult> uses_velocity(ForceUnderTest& e);
-std::optional<PropertyResult> time(ForceUnderTest& e);
-std::optional<PropertyResult> uses_time(ForceUnderTest& e);
-std::optional<PropertyResult> repeatable(ForceUnderTest& e);
-std::optional<PropertyResult> its_own(ForceUnderTest& e);
-std::optional<PropertyResult> set_and_add(ForceUnderTest& e);
-std::optional<PropertyResult> padding(ForceUnderTest& e);
-std::optional<PropertyResult> point(ForceUnderTest& e);
-std::optional<PropertyResult> same_bits(ForceUnderTest& e);
-std::optional<PropertyResult> number_types(ForceUnderTest& e);
-std::optional<PropertyResult> digits(ForceUnderTest& e);
+// Where properties apply, and what is checked before the first state.
+
+bool has_operator(ForceUnderTest& e);
+bool has_period(ForceUnderTest& e);
+bool has_point_kernel(ForceUnderTest& e);
+bool has_setting_passes(ForceUnderTest& e);
+bool acts_on_all_its_bodies(ForceUnderTest& e);
+bool shows_digits(ForceUnderTest& e);
+bool takes_part_in_balance(ForceUnderTest& e);
+bool coefficients_are_positive(ForceUnderTest& e);
+bool reports_if_it_drives(ForceUnderTest& e);
+bool declares_period_if_periodic(ForceUnderTest& e);
+bool time_is_bound_as_declared(ForceUnderTest& e);
+bool evaluate_forwards(ForceUnderTest& e);
+
+/// No side of the box is periodic: through those partners pull from elsewhere, and torques do not
+/// cancel.
+bool is_open(ForceUnderTest& e);
+/// The sum over the force's bodies, after an evaluation.
+SingleForce::Wrench total_of(ForceUnderTest& e);
 
 }  // namespace tomlin::properties

@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kMostSearched = 2000;
 
 /// Parts of the longest difference that are tried besides where two particles almost touch.
-constexpr double kAtContact[] = {1e-5, 1e-6};
+constexpr double kDifferencesAtContact[] = {1e-5, 1e-6};
 
 /// Rounding of an energy's difference, and the effort along the displacement.
 struct Scale {
@@ -43,7 +43,7 @@ Scale scale_of(ForceUnderTest& e, const State& state, const Direction& direction
 std::vector<double> parts_at(const State& state) {
   std::vector<double> parts(std::begin(kShorter), std::end(kShorter));
   if (state.kind == StateKind::contact) {
-    parts.insert(parts.end(), std::begin(kAtContact), std::end(kAtContact));
+    parts.insert(parts.end(), std::begin(kDifferencesAtContact), std::end(kDifferencesAtContact));
   }
   return parts;
 }
@@ -58,7 +58,6 @@ bool compare_by_differences(ForceUnderTest& e, const State& state, const Directi
   };
   const double energy_noise = kRounding * e.change_of(state, energy_at);
   const double noise = kRounding * e.sensitivity(state) * length_of(e, direction);
-  const bool close = state.kind == StateKind::near || state.kind == StateKind::start;
   bool regular = false;  // throughout, and yet no slope
   double slope_found = 0.0;
   double most = 0.0;
@@ -81,14 +80,14 @@ bool compare_by_differences(ForceUnderTest& e, const State& state, const Directi
     slope_found = slope.best;
     most = scale.effort;
     if (!(slope.unsettled <= kSettled * most + floor)) continue;
-    e.note(work(e.forces(state), direction), -slope.best, most, floor + kTrust * slope.unsettled,
-           state, variable);
+    e.note(work(e.forces(state), direction), -slope.best, most,
+           floor + kErrorPerDifference * slope.unsettled, state, variable);
     return true;
   }
   // A force without kinks, of an energy with some.
-  if (regular && close)
-    e.note(work(e.forces(state), direction), -slope_found, most, -1.0, state, variable);
-  return regular && close;
+  if (!regular || !state.is_close()) return false;
+  e.note(work(e.forces(state), direction), -slope_found, most, -1.0, state, variable);
+  return true;
 }
 
 /// The energy in quadruple precision, differentiated, against the force in double precision.
@@ -102,7 +101,7 @@ bool compare_exactly(ForceUnderTest& e, const State& state, const Direction& dir
   const double energy = std::abs(e.alone().energy(state.time));
   const double allowed = kRounding * (size + sensitivity * length) + kSmallest * length +
                          kExactRounding * energy / (kTinyDifference * e.length()) +
-                         kTrust * difference.unsettled;
+                         kErrorPerDifference * difference.unsettled;
   const double force = work(forces, direction);
   e.note(force, -slope, size, allowed, state, variable);
   return std::abs(force + slope) <= allowed;
@@ -118,44 +117,31 @@ bool is_number(ForceUnderTest& e, const State& state) {
 
 /// All coordinates at once, where a fault of any part shows, and one alone, where it shows best.
 /// Far away and at contact, too, where there is no quadruple precision to look there.
-std::optional<PropertyResult> conservative(ForceUnderTest& e) {
-  if (!e.traits().conservative) return std::nullopt;
-  e.begin("conservative", "force = -gradient of its energy, by differences");
-  Random random(e.seed());
-  for (const State* at : e.everywhere()) {
-    const State& state = *at;
-    const bool close = state.kind == StateKind::near || state.kind == StateKind::start;
-    if (!close && (e.exact() != nullptr || !is_number(e, state))) continue;
-    const bool together = compare_by_differences(e, state, e.random_direction(random), kNone);
-    const std::size_t chosen = random.below(e.count());
-    const bool alone = compare_by_differences(e, state, e.along(chosen), chosen);
-    if (together || alone) e.count_state();
-  }
-  return e.end();
+bool conservative(ForceUnderTest& e, const State& state) {
+  if (!state.is_close() && (e.exact() != nullptr || !is_number(e, state))) return false;
+  Random& random = e.memory().random;
+  const bool together = compare_by_differences(e, state, e.random_direction(random), kNone);
+  const std::size_t chosen = random.below(e.count());
+  const bool alone = compare_by_differences(e, state, e.along(chosen), chosen);
+  return together || alone;
 }
 
-std::optional<PropertyResult> exact(ForceUnderTest& e) {
-  if (!e.traits().conservative || e.exact() == nullptr) return std::nullopt;
-  e.begin("exact", "force = -gradient of its energy, differentiated in quadruple precision");
-  Random random(e.seed());
-  bool searched = false;
-  for (const State* state : e.everywhere()) {
-    const std::vector<double> forces = e.forces(*state);
-    const double sensitivity = e.sensitivity(*state);
-    const bool numbers = std::isfinite(e.largest(forces)) && std::isfinite(sensitivity);
-    if (!numbers && state->kind != StateKind::near && state->kind != StateKind::start) continue;
-    e.count_state();
-    const bool together =
-        compare_exactly(e, *state, e.random_direction(random), forces, sensitivity, kNone);
-    const std::size_t chosen = random.below(e.count());
-    compare_exactly(e, *state, e.along(chosen), forces, sensitivity, chosen);
-    if (together || searched) continue;
-    searched = true;
-    for (std::size_t i = 0; i < std::min(e.count(), kMostSearched); ++i) {
-      compare_exactly(e, *state, e.along(i), forces, sensitivity, i);
-    }
+bool exact(ForceUnderTest& e, const State& state) {
+  const std::vector<double> forces = e.forces(state);
+  const double sensitivity = e.sensitivity(state);
+  const bool numbers = std::isfinite(e.largest(forces)) && std::isfinite(sensitivity);
+  if (!numbers && !state.is_close()) return false;
+  Random& random = e.memory().random;
+  const bool together =
+      compare_exactly(e, state, e.random_direction(random), forces, sensitivity, kNone);
+  const std::size_t chosen = random.below(e.count());
+  compare_exactly(e, state, e.along(chosen), forces, sensitivity, chosen);
+  if (together || e.memory().searched) return true;
+  e.memory().searched = true;
+  for (std::size_t i = 0; i < std::min(e.count(), kMostSearched); ++i) {
+    compare_exactly(e, state, e.along(i), forces, sensitivity, i);
   }
-  return e.end();
+  return true;
 }
 
 }  // namespace tomlin::properties

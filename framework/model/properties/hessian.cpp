@@ -9,9 +9,9 @@ namespace {
 
 /// Second derivatives in parts of the largest force over the longest difference: one at most for a
 /// wave, and some times that for terms of many partners that cancel.
-constexpr double kVisible = 100.0;
+constexpr double kMostResolvedCurvature = 100.0;
 /// Differences of a slope that have settled to this part of it need not be shorter.
-constexpr double kSharp = 1e-6;
+constexpr double kSettledEnough = 1e-6;
 
 /// Second derivatives times a direction, along another: translations for bodies that move as one.
 class CurvatureAlong : public HessianSink {
@@ -101,11 +101,12 @@ std::optional<SlopeOfForce> slope_along(ForceUnderTest& e, const State& state,
       kRounding * (most + e.sensitivity(state) * static_cast<double>(e.count())) / slope.shortest;
   const double size = curvature.size + std::abs(slope.best);
   // More than a force of this size can have within a difference: there are waves in it.
-  if (curvature.size > kVisible * most / longest) return {};
+  if (curvature.size > kMostResolvedCurvature * most / longest) return {};
   if (!(slope.unsettled <= kSettled * size + rounding)) return {};
   // At a kink, as of one pair of many at its cutoff, the second derivative is that of either side.
-  return SlopeOfForce{slope.best, size,
-                      kRounding * size + rounding + kTrust * slope.unsettled + slope.kink};
+  return SlopeOfForce{
+      slope.best, size,
+      kRounding * size + rounding + kErrorPerDifference * slope.unsettled + slope.kink};
 }
 
 /// Slopes of the force by differences against second derivatives. False where none settle, as at a
@@ -118,7 +119,7 @@ bool compare_curvature(ForceUnderTest& e, const State& state, const Direction& a
     if (!is_regular(e, state, along, seen, longest)) continue;
     const auto slope = slope_along(e, state, along, seen, curvature, longest);
     if (slope && (!best || slope->allowed < best->allowed)) best = slope;
-    if (best && best->allowed <= kSharp * best->size) break;
+    if (best && best->allowed <= kSettledEnough * best->size) break;
   }
   if (!best) return false;
   e.note(curvature.sum, -best->value, best->size, best->allowed, state);
@@ -127,22 +128,16 @@ bool compare_curvature(ForceUnderTest& e, const State& state, const Direction& a
 
 }  // namespace
 
-std::optional<PropertyResult> hessian(ForceUnderTest& e) {
-  if (!e.traits().conservative) return std::nullopt;
-  e.begin("hessian", "second derivatives = slopes of the force");
-  Random random(e.seed());
-  const auto twin = e.twin();
-  for (const State& state : e.near()) {
-    const Direction along = translation(e, random);
-    const Direction seen = translation(e, random);
-    e.put(state, *twin);
-    twin->evaluate(state.time);
-    CurvatureAlong curvature(e, seen, along, e.alone().model());
-    twin->force().curvature->hessian(twin->stage(), curvature);
-    if (!curvature.given) return std::nullopt;
-    if (compare_curvature(e, state, along, seen, curvature)) e.count_state();
-  }
-  return e.end();
+bool hessian(ForceUnderTest& e, const State& state) {
+  ForceTwin<double>& twin = e.twin();
+  const Direction along = translation(e, e.memory().random);
+  const Direction seen = translation(e, e.memory().random);
+  e.put(state, twin);
+  twin.evaluate(state.time);
+  CurvatureAlong curvature(e, seen, along, e.alone().model());
+  twin.force().curvature->hessian(twin.stage(), curvature);
+  if (!curvature.given) return e.withdraw();
+  return compare_curvature(e, state, along, seen, curvature);
 }
 
 }  // namespace tomlin::properties

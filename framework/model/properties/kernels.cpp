@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 #include <vector>
 
 #include "framework/model/properties/force_under_test.hpp"
@@ -94,75 +93,72 @@ void compare_set_with_add(ForceUnderTest& e, const State& state, ForceTwin<doubl
   });
 }
 
+/// The first variable of the force's first body; the number of variables where it has none.
+std::size_t variable_of_point(ForceUnderTest& e) {
+  std::size_t first = 0;
+  while (first < e.count() && e.variable(first).body != e.alone().force().bodies.front()) ++first;
+  return first;
+}
+
 }  // namespace
 
+bool has_setting_passes(ForceUnderTest& e) { return !setting_passes(e.twin()).empty(); }
+
 /// On every instruction set, since each has kernels of its own.
-std::optional<PropertyResult> set_and_add(ForceUnderTest& e) {
-  if (setting_passes(*e.twin()).empty()) return std::nullopt;
-  e.begin("set and add",
-          "kernels that set write, over anything, what those that add give to zeros");
+bool set_and_add(ForceUnderTest& e, const State& state) {
   for (const InstructionSet set : supported_sets()) {
-    const auto twin = e.twin(set);
-    for (const State& state : e.near()) compare_set_with_add(e, state, *twin);
+    compare_set_with_add(e, state, e.twin(set));
   }
-  for (std::size_t k = 0; k < e.near().size(); ++k) e.count_state();
-  return e.end();
+  return true;
 }
 
 /// Sums over whole groups take it in.
-std::optional<PropertyResult> padding(ForceUnderTest& e) {
-  e.begin("padding", "beyond the last particle of a body, forces are zero up to a whole group");
+bool padding(ForceUnderTest& e, const State& state) {
   for (const InstructionSet set : supported_sets()) {
-    const auto twin = e.twin(set);
-    for (const State& state : e.near()) {
-      for_settings(e, state, *twin, [&](const Pass<double>&, const Written& written) {
-        e.note(written.padding(), 0.0, 0.0, 0.0, state);
-      });
-      twin->evaluate(state.time);
-      for (const std::size_t b : twin->force().bodies) {
-        const Written written(*twin, {b, false}, e.alone().model().dimension());
-        e.note(written.padding(), 0.0, 0.0, 0.0, state);
-      }
+    ForceTwin<double>& twin = e.twin(set);
+    for_settings(e, state, twin, [&](const Pass<double>&, const Written& written) {
+      e.note(written.padding(), 0.0, 0.0, 0.0, state);
+    });
+    twin.evaluate(state.time);
+    for (const std::size_t b : twin.force().bodies) {
+      const Written written(twin, {b, false}, e.alone().model().dimension());
+      e.note(written.padding(), 0.0, 0.0, 0.0, state);
     }
   }
-  for (std::size_t k = 0; k < e.near().size(); ++k) e.count_state();
-  return e.end();
+  return true;
+}
+
+PointForce<double> point_force_of(const ForceTwin<double>& twin) {
+  const std::vector<Pass<double>> passes = twin.force().bound->passes();
+  return passes.empty() ? PointForce<double>{} : passes.front().point;
+}
+
+bool has_point_kernel(ForceUnderTest& e) {
+  const std::size_t variable = variable_of_point(e);
+  return variable < e.count() && !e.twin().body(e.variable(variable).body).bound.slot.mapped &&
+         point_force_of(e.twin()).run != nullptr;
 }
 
 /// Its force and, of a driver, its power. Of several bodies it acts on one.
-std::optional<PropertyResult> point(ForceUnderTest& e) {
-  const auto point_of = [](const ForceTwin<double>& twin) {
-    const std::vector<Pass<double>> passes = twin.force().bound->passes();
-    return passes.empty() ? PointForce<double>{} : passes.front().point;
-  };
-  const auto first = e.twin();
-  const std::size_t body = first->force().bodies.front();
-  std::size_t own = 0;
-  while (own < e.count() && e.variable(own).body != body) ++own;
-  if (own == e.count() || first->body(body).bound.slot.mapped || point_of(*first).run == nullptr) {
-    return std::nullopt;
-  }
-  e.begin("point", "its kernel for a single particle on a line has the bits of the loop");
+bool point(ForceUnderTest& e, const State& state) {
+  const std::size_t variable = variable_of_point(e);
   for (const InstructionSet set : supported_sets()) {
-    const auto twin = e.twin(set);
-    const PointForce<double> point = point_of(*twin);
-    for (const State* state : e.everywhere()) {
-      e.put(*state, *twin);
-      twin->evaluate(state->time);
-      const PointResult<double> result =
-          point.run(point.parameters, state->x[own], state->v[own], point.start, 0.0);
-      std::vector<double> found{result.force};
-      std::vector<double> expected{twin->force_at(e.variable(own).at)};
-      if (point.rate != kNoRate) {
-        const auto rate = static_cast<std::size_t>(point.rate);
-        found.insert(found.end(), {result.force, result.power});
-        expected.insert(expected.end(), {twin->rate(rate), twin->rate(rate + 1)});
-      }
-      e.note_same_numbers(found, expected, *state);
+    ForceTwin<double>& twin = e.twin(set);
+    const PointForce<double> point = point_force_of(twin);
+    e.put(state, twin);
+    twin.evaluate(state.time);
+    const PointResult<double> result =
+        point.run(point.parameters, state.x[variable], state.v[variable], point.start, 0.0);
+    std::vector<double> found{result.force};
+    std::vector<double> expected{twin.force_at(e.variable(variable).at)};
+    if (point.rate != kNoRate) {
+      const auto rate = static_cast<std::size_t>(point.rate);
+      found.insert(found.end(), {result.force, result.power});
+      expected.insert(expected.end(), {twin.rate(rate), twin.rate(rate + 1)});
     }
+    e.note_same_numbers(found, expected, state);
   }
-  for (std::size_t k = 0; k < e.everywhere().size(); ++k) e.count_state();
-  return e.end();
+  return true;
 }
 
 }  // namespace tomlin::properties

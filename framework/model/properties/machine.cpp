@@ -1,9 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "framework/model/properties/force_under_test.hpp"
@@ -44,10 +42,10 @@ Outcome outcome_at(ForceUnderTest& e, const State& state, ForceTwin<Real>& twin)
 /// Units in the last place by which a type may be off, in parts of a result's size and of what it
 /// changes by per relative change of what it is made of: the worst that correct forces show is a
 /// tenth of it.
-constexpr double kUnits = 64.0;
+constexpr double kAllowedUnits = 64.0;
 /// A type whose rounding never shows is another type under its name. A single product is off by a
 /// third of a unit on average; the worst of many results is not far below that.
-constexpr double kFewestUnits = 0.05;
+constexpr double kLeastVisibleUnits = 0.05;
 
 /// Change of an energy beside that which a shake of all coordinates shows: particles of rigid
 /// bodies are rounded one by one, and at its minimum rounding counts in second order.
@@ -58,8 +56,8 @@ double hidden_change(ForceUnderTest& e, const State& state, double sensitivity, 
 
 /// Compares numbers that are no forces on variables, each by itself.
 void compare_others(ForceUnderTest& e, ForceTwin<double>& twin, const Outcome& found,
-                    const Outcome& expected, const State& state, double sensitivity, double allowed,
-                    double least) {
+                    const Outcome& expected, const State& state, double sensitivity,
+                    double allowed) {
   std::vector<double> changes =
       e.changes_of(state, [&](const State& at) { return outcome_at(e, at, twin).others; });
   changes[kEnergy] += hidden_change(e, state, sensitivity, allowed);
@@ -78,15 +76,14 @@ void compare_others(ForceUnderTest& e, ForceTwin<double>& twin, const Outcome& f
   for (std::size_t k = 0; k < expected.others.size(); ++k) {
     if (!std::isfinite(changes[k]) || !std::isfinite(found.others[k])) continue;
     const double size = std::abs(expected.others[k]);
-    e.note(found.others[k], expected.others[k], size, allowed * (size + changes[k]) + least, state);
+    e.note(found.others[k], expected.others[k], size, allowed * (size + changes[k]) + kSmallest,
+           state);
   }
 }
 
 /// False where there are no numbers to compare.
 bool compare_with_exact(ForceUnderTest& e, ForceTwin<double>& twin, const State& state) {
-  constexpr double kAllowed = kUnits * std::numeric_limits<double>::epsilon();
-  constexpr double kLeast =
-      std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
+  constexpr double kAllowed = kAllowedUnits * std::numeric_limits<double>::epsilon();
   const Outcome expected = outcome_at(e, state, *e.exact());
   const Outcome found = outcome_at(e, state, twin);
   const double sensitivity = e.sensitivity(state);
@@ -95,9 +92,9 @@ bool compare_with_exact(ForceUnderTest& e, ForceTwin<double>& twin, const State&
   if (!std::isfinite(sensitivity) || !std::isfinite(e.largest(found.forces))) return false;
   double unit = 1.0;
   for (std::size_t i = 0; i < e.count(); ++i) unit = std::max(unit, e.variable(i).unit);
-  e.note(found.forces, expected.forces, size, kAllowed * (size + sensitivity) + kLeast * unit,
+  e.note(found.forces, expected.forces, size, kAllowed * (size + sensitivity) + kSmallest * unit,
          state);
-  compare_others(e, twin, found, expected, state, sensitivity, kAllowed, kLeast);
+  compare_others(e, twin, found, expected, state, sensitivity, kAllowed);
   return true;
 }
 
@@ -115,7 +112,7 @@ bool rounds(ForceUnderTest& e, ForceTwin<double>& twin, const State& state) {
     const std::size_t at = e.variable(i).at;
     const double apart = static_cast<double>(Quad(twin.force_at(at)) - exact.force_at(at));
     if (std::abs(e.at_edge(i, apart)) >
-        kFewestUnits * std::numeric_limits<double>::epsilon() * size)
+        kLeastVisibleUnits * std::numeric_limits<double>::epsilon() * size)
       return true;
   }
   return false;
@@ -124,50 +121,37 @@ bool rounds(ForceUnderTest& e, ForceTwin<double>& twin, const State& state) {
 }  // namespace
 
 /// Forces, energies, heat and all rates.
-std::optional<PropertyResult> same_bits(ForceUnderTest& e) {
-  e.begin("same bits", "on every instruction set of this machine");
-  std::vector<std::unique_ptr<ForceTwin<double>>> twins;
-  for (const InstructionSet set : supported_sets()) twins.push_back(e.twin(set));
-  for (const State* state : e.everywhere()) {
-    const std::vector<double> forces = e.forces(*state);
-    std::optional<Outcome> first;
-    for (const auto& twin : twins) {
-      Outcome found = outcome_at(e, *state, *twin);
-      if (!first) first = found;
-      e.note_same(found.forces, first->forces, *state);
-      e.note_same_numbers(found.others, first->others, *state);
-    }
-    e.note_same(first->forces, forces, *state);
-    e.count_state();
+bool same_bits(ForceUnderTest& e, const State& state) {
+  const std::vector<double> forces = e.forces(state);
+  std::optional<Outcome> first;
+  for (const InstructionSet set : supported_sets()) {
+    Outcome found = outcome_at(e, state, e.twin(set));
+    if (!first) first = found;
+    e.note_same(found.forces, first->forces, state);
+    e.note_same_numbers(found.others, first->others, state);
   }
-  return e.end();
+  e.note_same(first->forces, forces, state);
+  return true;
 }
 
-std::optional<PropertyResult> number_types(ForceUnderTest& e) {
-  if (e.exact() == nullptr) return std::nullopt;
-  e.begin("number types", "the same in double and quadruple precision, each to its rounding");
-  const auto in_double = e.twin();
-  for (const State* state : e.everywhere()) {
-    if (compare_with_exact(e, *in_double, *state)) e.count_state();
-  }
-  return e.end();
+bool number_types(ForceUnderTest& e, const State& state) {
+  return compare_with_exact(e, e.twin(), state);
 }
 
-/// Seen at as many states as it is in each of the types; nothing of a force that is the same
-/// everywhere, and may be exact, or on rigid and prescribed bodies, whose sums round in any case.
-std::optional<PropertyResult> digits(ForceUnderTest& e) {
-  if (e.exact() == nullptr) return std::nullopt;
-  e.begin("digits", "each number type rounds as its precision says");
-  const auto in_double = e.twin();
+/// Nothing of a force that is the same everywhere, and may be exact, or on rigid and prescribed
+/// bodies, whose sums round in any case.
+bool shows_digits(ForceUnderTest& e) {
+  if (e.exact() == nullptr) return false;
   bool changes = false;
   for (const State& state : e.near()) {
-    if (e.terms(state).size > 0.0) return std::nullopt;
-    const double sensitivity = e.sensitivity(state);
-    changes = changes || sensitivity > 0.0;
-    if (std::isfinite(sensitivity) && rounds(e, *in_double, state)) e.note_shown(state);
+    if (e.terms(state).size > 0.0) return false;
+    changes = changes || e.sensitivity(state) > 0.0;
   }
-  if (!changes) return std::nullopt;
-  return e.end();
+  return changes;
+}
+
+bool digits(ForceUnderTest& e, const State& state) {
+  return e.note_shown(std::isfinite(e.sensitivity(state)) && rounds(e, e.twin(), state), state);
 }
 
 }  // namespace tomlin::properties

@@ -12,8 +12,7 @@ constexpr double kPathLengths = 4.0;
 constexpr double kDilation = 3.0;
 /// Pieces of a path, and how often a piece is halved: to where only rounding is left.
 constexpr int kPieces = 64;
-constexpr int kDeepest = 40;
-constexpr std::size_t kPaths = 3;
+constexpr int kMostHalvings = 40;
 
 /// From a state to where everything is dilated about its centre and shifted.
 struct Path {
@@ -107,7 +106,7 @@ Comparison compare_piece(ForceUnderTest& e, const Path& path, double from, doubl
 /// False where that is beyond where the force is defined, and there is nothing to compare.
 bool compare_along(ForceUnderTest& e, const Path& path, double from, double to) {
   Comparison now = compare_piece(e, path, from, to);
-  for (int halving = 0; halving < kDeepest && !now.holds(); ++halving) {
+  for (int halving = 0; halving < kMostHalvings && !now.holds(); ++halving) {
     const double middle = 0.5 * (from + to);
     const Comparison first = compare_piece(e, path, from, middle);
     const Comparison second = compare_piece(e, path, middle, to);
@@ -130,21 +129,15 @@ bool compare_along(ForceUnderTest& e, const Path& path, double from, double to) 
 }  // namespace
 
 /// An energy that jumps at a cut-off has the right slope on both sides of it.
-std::optional<PropertyResult> path(ForceUnderTest& e) {
-  if (!e.traits().conservative) return std::nullopt;
-  e.begin("path", "work along a path of some lengths = minus the change of energy");
-  Random random(e.seed());
+bool path(ForceUnderTest& e, const State& state) {
   const int pieces = e.takes_long() ? kPieces / 8 : kPieces;
-  for (std::size_t k = 0; k < kPaths; ++k) {
-    const Path path = path_of(e, e.near()[k % e.near().size()], random);
-    const double width = 1.0 / pieces;
-    bool compared = false;
-    for (int piece = 0; piece < pieces && e.holds(); ++piece) {
-      compared = compare_along(e, path, piece * width, (piece + 1) * width) || compared;
-    }
-    if (compared) e.count_state();
+  const Path path = path_of(e, state, e.memory().random);
+  const double width = 1.0 / pieces;
+  bool compared = false;
+  for (int piece = 0; piece < pieces && e.holds(); ++piece) {
+    compared = compare_along(e, path, piece * width, (piece + 1) * width) || compared;
   }
-  return e.end();
+  return compared;
 }
 
 }  // namespace tomlin::properties

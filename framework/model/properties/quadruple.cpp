@@ -20,9 +20,10 @@ double time_of_change(const std::vector<double>& own, const std::vector<Quad>& r
   }
   return size > 0.0 && rate > 0.0 ? std::ldexp(1.0, std::ilogb(size / rate)) : 1.0;
 }
+
 /// Parts of the largest force that it may change by within a difference of energies: 1e-11 of waves
 /// of the shortest length.
-constexpr double kResolved = 1e-3;
+constexpr double kMostRelativeChange = 1e-3;
 
 Quad power_of(ForceUnderTest& e, const ForceTwin<Quad>& twin, const State& state) {
   Quad power(0.0);
@@ -84,34 +85,28 @@ void compare_gradient(ForceUnderTest& e, const State& state, const Direction& di
   };
   const double energy = std::abs(energy_at(state)) + e.change_of(state, energy_at);
   const double allowed = kExactRounding * (size + e.sensitivity(state) * length_of(e, direction)) +
-                         kExactRounding * energy / slope.step + kTrust * slope.unsettled;
+                         kExactRounding * energy / slope.step +
+                         kErrorPerDifference * slope.unsettled;
   e.note(static_cast<double>(force + slope.best), 0.0, size, allowed, state);
 }
 
 }  // namespace
 
-std::optional<PropertyResult> quadruple(ForceUnderTest& e) {
-  if (e.exact() == nullptr) return std::nullopt;
-  const bool conservative = e.traits().conservative;
-  if (!conservative && (e.on_prescribed() || !e.exact()->heat())) return std::nullopt;
-  e.begin("quadruple", conservative ? "force = -gradient of its energy, both in quadruple precision"
-                                    : "power = energy stored + heat, all in quadruple precision");
-  Random random(e.seed());
-  for (const State* state : e.everywhere()) {
-    if (state->kind != StateKind::near && state->kind != StateKind::start) continue;
-    const double sensitivity = e.sensitivity(*state);
-    if (!std::isfinite(sensitivity)) continue;
-    if (conservative) {
-      // Over a wave much shorter than any length that is known, differences say nothing.
-      const double moved = sensitivity * kTinyDifference * e.length() / e.reach(*state);
-      if (moved > kResolved * e.largest(e.forces(*state))) continue;
-      compare_gradient(e, *state, e.random_direction(random));
-    } else {
-      compare_heat(e, *state);
-    }
-    e.count_state();
-  }
-  return e.end();
+bool quadruple_gradient(ForceUnderTest& e, const State& state) {
+  if (!state.is_close()) return false;
+  const double sensitivity = e.sensitivity(state);
+  if (!std::isfinite(sensitivity)) return false;
+  // Over a wave much shorter than any length that is known, differences say nothing.
+  const double moved = sensitivity * kTinyDifference * e.length() / e.reach(state);
+  if (moved > kMostRelativeChange * e.largest(e.forces(state))) return false;
+  compare_gradient(e, state, e.random_direction(e.memory().random));
+  return true;
+}
+
+bool quadruple_heat(ForceUnderTest& e, const State& state) {
+  if (!state.is_close() || !std::isfinite(e.sensitivity(state))) return false;
+  compare_heat(e, state);
+  return true;
 }
 
 }  // namespace tomlin::properties

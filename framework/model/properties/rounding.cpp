@@ -11,72 +11,78 @@
 namespace tomlin::properties {
 namespace {
 
-/// Changes of inputs, in parts of their size: small enough to be linear in what follows, mostly,
-/// and as small as rounding.
-constexpr double kShake = 1e-9;
-constexpr double kTinyShake = 1e-15;
-constexpr double kStir = 1e-12;  // linear to 10^-4 where kShake is to kBend
-constexpr double kBend = 0.1;    // parts of a change by which it may be off from linear
-constexpr std::uint64_t kShaking = 0x9e3779b97f4a7c15U;
-constexpr int kShakes = 3;  // all small by chance once in 10^4 states, and the allowance is 64-fold
+/// Relative perturbations of inputs: one that results follow linearly, mostly; one that they follow
+/// linearly to 10^-4 where they follow the first to kMostNonlinearity; and one as small as
+/// rounding.
+constexpr double kPerturbation = 1e-9;
+constexpr double kSmallPerturbation = 1e-12;
+constexpr double kRoundingPerturbation = 1e-15;
+/// Parts of a change by which it may differ from a linear one.
+constexpr double kMostNonlinearity = 0.1;
+/// Distinguishes the seeds of perturbations from those of states.
+constexpr std::uint64_t kPerturbationSeed = 0x9e3779b97f4a7c15U;
+/// All are small by chance once in 10^4 states, and the allowance is 64-fold.
+constexpr int kPerturbations = 3;
 
 }  // namespace
 
 /// All that a force reads, by parts of its size.
-State ForceUnderTest::shaken(const State& state, double shake, Random& random) const {
+State ForceUnderTest::perturbed(const State& state, double perturbation, Random& random) const {
   const double size = reach(state);
-  State shaken = state;
+  State perturbed = state;
   for (std::size_t i = 0; i < count(); ++i) {
-    shaken.x[i] += shake * (variable(i).axis >= 0 ? size : 1.0) * random.symmetric();
-    shaken.v[i] *= 1.0 + shake * random.symmetric();
+    perturbed.x[i] += perturbation * (variable(i).axis >= 0 ? size : 1.0) * random.symmetric();
+    perturbed.v[i] *= 1.0 + perturbation * random.symmetric();
   }
-  for (double& own : shaken.own) own *= 1.0 + shake * random.symmetric();
-  shaken.time *= 1.0 + shake * random.symmetric();
-  return shaken;
+  for (double& own : perturbed.own) own *= 1.0 + perturbation * random.symmetric();
+  perturbed.time *= 1.0 + perturbation * random.symmetric();
+  return perturbed;
 }
 
-/// The largest force's change under a shake, and by how much more than half of it the half makes.
-ForceUnderTest::Change ForceUnderTest::change_by(const State& state, double shake) {
+/// The largest force's change under a perturbation, and by how much more than half of it the half
+/// makes.
+ForceUnderTest::Change ForceUnderTest::change_by(const State& state, double perturbation) {
   const std::vector<double> before = forces(state);
   Change most;
-  for (int k = 0; k < kShakes; ++k) {
-    Random random(options_.seed ^ (kShaking + static_cast<std::uint64_t>(k)));
+  for (int k = 0; k < kPerturbations; ++k) {
+    Random random(options_.seed ^ (kPerturbationSeed + static_cast<std::uint64_t>(k)));
     Random again = random;
-    const std::vector<double> half = forces(shaken(state, 0.5 * shake, random));
-    std::vector<double> change = forces(shaken(state, shake, again));
-    std::vector<double> bend(count());
+    const std::vector<double> half = forces(perturbed(state, 0.5 * perturbation, random));
+    std::vector<double> change = forces(perturbed(state, perturbation, again));
+    std::vector<double> nonlinearity(count());
     for (std::size_t i = 0; i < count(); ++i) {
       change[i] -= before[i];
-      bend[i] = change[i] - 2.0 * (half[i] - before[i]);
+      nonlinearity[i] = change[i] - 2.0 * (half[i] - before[i]);
     }
     const double size = largest(change);
-    const double bent = largest(bend);
-    most.linear = most.linear && bent <= kBend * size + kRounding * largest(before);
+    const double nonlinear = largest(nonlinearity);
+    most.linear =
+        most.linear && nonlinear <= kMostNonlinearity * size + kRounding * largest(before);
     if (!(size <= most.size)) most.size = size;
-    if (!(bent <= most.bend)) most.bend = bent;
-    if (!std::isfinite(size) || !std::isfinite(bent)) break;
+    if (!(nonlinear <= most.nonlinearity)) most.nonlinearity = nonlinear;
+    if (!std::isfinite(size) || !std::isfinite(nonlinear)) break;
   }
   return most;
 }
 
 /// Change of the largest force in quadruple precision, whose own rounding does not show in it.
-double ForceUnderTest::exact_change(const State& state, double shake) {
+double ForceUnderTest::exact_change(const State& state, double perturbation) {
   ForceTwin<Quad>& twin = *exact();
   const auto forces_at = [&](const State& from, Random* random) {
-    const double size = shake * reach(from);
+    const double size = perturbation * reach(from);
     put(from, twin);
     double elapsed = 0.0;
     if (random != nullptr) {
       for (std::size_t i = 0; i < count(); ++i) {
-        const double move = (variable(i).axis >= 0 ? size : shake) * random->symmetric();
+        const double move = (variable(i).axis >= 0 ? size : perturbation) * random->symmetric();
         twin.position(variable(i).at) = Quad(from.x[i]) + Quad(move);
         twin.velocity(variable(i).at) =
-            Quad(from.v[i]) + Quad(from.v[i] * (shake * random->symmetric()));
+            Quad(from.v[i]) + Quad(from.v[i] * (perturbation * random->symmetric()));
       }
       for (std::size_t k = 0; k < from.own.size(); ++k) {
-        twin.own(k) = Quad(from.own[k]) + Quad(from.own[k] * (shake * random->symmetric()));
+        twin.own(k) = Quad(from.own[k]) + Quad(from.own[k] * (perturbation * random->symmetric()));
       }
-      elapsed = from.time * shake * random->symmetric();
+      elapsed = from.time * perturbation * random->symmetric();
     }
     twin.evaluate(from.time, elapsed);
     std::vector<Quad> forces(count());
@@ -85,14 +91,14 @@ double ForceUnderTest::exact_change(const State& state, double shake) {
   };
   const std::vector<Quad> before = forces_at(state, nullptr);
   double most = 0.0;
-  for (int k = 0; k < kShakes; ++k) {
-    Random random(options_.seed ^ (kShaking + static_cast<std::uint64_t>(k)));
+  for (int k = 0; k < kPerturbations; ++k) {
+    Random random(options_.seed ^ (kPerturbationSeed + static_cast<std::uint64_t>(k)));
     const std::vector<Quad> after = forces_at(state, &random);
     std::vector<double> change(count());
     for (std::size_t i = 0; i < count(); ++i) change[i] = static_cast<double>(after[i] - before[i]);
     const double size = largest(change);
     if (!std::isfinite(size)) return std::numeric_limits<double>::infinity();
-    most = std::max(most, size / shake);
+    most = std::max(most, size / perturbation);
   }
   return most;
 }
@@ -133,17 +139,17 @@ ForceUnderTest::Terms ForceUnderTest::terms(const State& state) {
     if (alone_.model().bodies()[hidden.body].prescribed())
       terms.speed = std::max(terms.speed, std::abs(view.mapped_velocity[at]));
   });
-  const double shake = kShake * reach(state);
-  for (int again = 0; again < kShakes; ++again) {
-    Random random(options_.seed ^ (kShaking + static_cast<std::uint64_t>(again)));
+  const double perturbation = kPerturbation * reach(state);
+  for (int again = 0; again < kPerturbations; ++again) {
+    Random random(options_.seed ^ (kPerturbationSeed + static_cast<std::uint64_t>(again)));
     all([&, k = std::size_t{0}](const Hidden& hidden, std::size_t at) mutable {
-      position_of(hidden, at) = positions[k++] + shake * random.symmetric();
+      position_of(hidden, at) = positions[k++] + perturbation * random.symmetric();
     });
     std::vector<double> change = acting();
     for (std::size_t k = 0; k < change.size(); ++k) change[k] -= before[k];
-    terms.change = std::max(terms.change, gathered(change) / kShake);
+    terms.change = std::max(terms.change, gathered(change) / kPerturbation);
     const double heat = twin.heat().value_or(0.0);
-    terms.heat = std::max(terms.heat, std::abs(heat - heat_before) / kShake);
+    terms.heat = std::max(terms.heat, std::abs(heat - heat_before) / kPerturbation);
   }
   all([&, k = std::size_t{0}](const Hidden& hidden, std::size_t at) mutable {
     position_of(hidden, at) = positions[k++];
@@ -190,12 +196,12 @@ std::vector<double> ForceUnderTest::changes_of(
     const State& state, const std::function<std::vector<double>(const State&)>& numbers) {
   const std::vector<double> before = numbers(state);
   std::vector<double> most(before.size(), 0.0);
-  for (const double shake : {kShake, kStir, kTinyShake}) {
-    for (int k = 0; k < kShakes; ++k) {
-      Random random(options_.seed ^ (kShaking + static_cast<std::uint64_t>(k)));
-      const std::vector<double> after = numbers(shaken(state, shake, random));
+  for (const double perturbation : {kPerturbation, kSmallPerturbation, kRoundingPerturbation}) {
+    for (int k = 0; k < kPerturbations; ++k) {
+      Random random(options_.seed ^ (kPerturbationSeed + static_cast<std::uint64_t>(k)));
+      const std::vector<double> after = numbers(perturbed(state, perturbation, random));
       for (std::size_t i = 0; i < most.size(); ++i) {
-        const double change = std::abs(after[i] - before[i]) / shake;
+        const double change = std::abs(after[i] - before[i]) / perturbation;
         most[i] = std::isfinite(change) ? std::max(most[i], change)
                                         : std::numeric_limits<double>::infinity();
       }
@@ -216,21 +222,24 @@ double ForceUnderTest::sensitivity(const State& state) {
 }
 
 /// A formula whose terms nearly cancel loses more digits within than its inputs explain: that is
-/// noise, which a tiny shake stirs up.
+/// noise, which a perturbation as small as rounding shows.
 double ForceUnderTest::sensitivity_at(const State& state) {
-  const Change change = change_by(state, kShake);
-  const Change stirred = change_by(state, kStir);
-  const Change tiny = change_by(state, kTinyShake);
-  double most = tiny.size / kTinyShake;
+  const Change change = change_by(state, kPerturbation);
+  const Change small = change_by(state, kSmallPerturbation);
+  const Change tiny = change_by(state, kRoundingPerturbation);
+  double most = tiny.size / kRoundingPerturbation;
   if (change.linear) {
-    most = std::max({most, change.size / kShake, stirred.bend / kTinyShake});
+    most =
+        std::max({most, change.size / kPerturbation, small.nonlinearity / kRoundingPerturbation});
   } else if (exact() != nullptr) {
-    const double noise = std::abs(stirred.size - kStir * exact_change(state, kStir));
-    most = std::max({most, exact_change(state, kTinyShake), noise / kTinyShake});
+    const double noise =
+        std::abs(small.size - kSmallPerturbation * exact_change(state, kSmallPerturbation));
+    most =
+        std::max({most, exact_change(state, kRoundingPerturbation), noise / kRoundingPerturbation});
   } else {
-    most = std::max({most, change.size / kShake, stirred.size / kStir});
+    most = std::max({most, change.size / kPerturbation, small.size / kSmallPerturbation});
   }
-  const bool numbers = std::isfinite(change.size) && std::isfinite(stirred.bend) &&
+  const bool numbers = std::isfinite(change.size) && std::isfinite(small.nonlinearity) &&
                        std::isfinite(tiny.size) && std::isfinite(most);
   const Terms single = terms(state);
   most += single.size + single.change;

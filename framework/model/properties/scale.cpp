@@ -9,11 +9,11 @@
 namespace tomlin::properties {
 namespace {
 
-/// Steps grow by so much, from where a wave cannot be missed.
-constexpr double kGrowth = 4.0;
+/// Ratio of steps that follow one another, from where a wave cannot be missed.
+constexpr double kStepRatio = 4.0;
 /// Parts of the largest force that its fourth difference may be while it is as good as cubic: a
 /// sine's is there at 1/200 of a wave.
-constexpr double kBent = 1e-6;
+constexpr double kMostFourthDifferenceOfCubic = 1e-6;
 constexpr double kStepsOfAWave = 200.0;
 /// Steps that are looked at, in parts of the numbers that positions are made of.
 constexpr double kShortest = 1e-12;
@@ -22,16 +22,16 @@ constexpr double kLongest = 1e12;
 constexpr double kShortestOfAll = 1e-25;
 /// A declared length is good unless the force has one so many times shorter.
 constexpr double kMuchShorter = 10.0;
-constexpr double kShortestOfDeclared = 1e-8;
-constexpr int kWays = 4;
+constexpr double kLeastPartOfDeclared = 1e-8;
+constexpr int kDirections = 4;
 /// When forces are looked at that time may switch on and off, in parts of the duration.
-constexpr double kWhen = 0.37;
+constexpr double kPartOfDuration = 0.37;
 
 /// A force along ways away from its start.
 class Probe {
  public:
   explicit Probe(SingleForce& alone)
-      : alone_(alone), time_(kWhen * alone.model().scene().run.duration) {
+      : alone_(alone), time_(kPartOfDuration * alone.model().scene().run.duration) {
     alone.restart();
     for (const SingleForce::Variable& variable : alone.variables()) {
       start_.push_back(alone.position(variable));
@@ -65,12 +65,12 @@ class Probe {
     }
     // Positions are rounded, and the force follows.
     const double rounding = kRounding * (size + (most - least) * reach_ / step);
-    return !(std::abs(fourth) <= kBent * size + 16.0 * rounding);
+    return !(std::abs(fourth) <= kMostFourthDifferenceOfCubic * size + 16.0 * rounding);
   }
 
   std::optional<double> first_bent(double shortest, double longest) const {
     if (is_bent(shortest)) return std::nullopt;
-    for (double step = shortest; step <= longest; step *= kGrowth) {
+    for (double step = shortest; step <= longest; step *= kStepRatio) {
       if (is_bent(step)) return step;
     }
     return std::nullopt;
@@ -108,11 +108,11 @@ std::optional<double> length_of(SingleForce& alone, double declared) {
   Probe probe(alone);
   Random random(1);
   const double shortest = std::max(
-      kShortest * probe.reach(), declared > 0.0 ? kShortestOfDeclared * declared : kShortestOfAll);
+      kShortest * probe.reach(), declared > 0.0 ? kLeastPartOfDeclared * declared : kShortestOfAll);
   const double longest = declared > 0.0 ? declared / (kMuchShorter * kStepsOfAWave)
                                         : kLongest * std::max(1.0, probe.reach());
   std::optional<double> length = 0.0;
-  for (int k = 0; k < kWays && length; ++k) {
+  for (int k = 0; k < kDirections && length; ++k) {
     probe.turn(random);
     const std::optional<double> step = probe.first_bent(shortest, longest);
     length = step ? std::optional(std::max(*length, kStepsOfAWave * *step)) : std::nullopt;

@@ -14,15 +14,15 @@ namespace tomlin::properties {
 /// one order to the next.
 inline constexpr double kLongestDifference = 0.02;
 /// Parts of the largest force that its fourth difference may be: (2 pi/100)^4 = 1.6e-5 of a sine.
-inline constexpr double kIrregular = 1e-3;
+inline constexpr double kMostFourthDifference = 1e-3;
 /// Parts of it that are tried where that is not smooth.
 inline constexpr double kShorter[] = {1.0, 0.05, 0.0025, 0.000125};
 /// Central differences at h, h/2, h/4, h/8 leave an error of order h^8.
 inline constexpr int kDifferences = 4;
 /// Another sequence begins at this part of the longest one, and has none of its differences.
 inline constexpr double kOtherLongest = 0.618033988749894848;
-/// The last two orders of the extrapolation differ by more than the last one is off.
-inline constexpr double kTrust = 10.0;
+/// The last two orders of an extrapolation differ by more than a tenth of the last one's error.
+inline constexpr double kErrorPerDifference = 10.0;
 /// An energy whose slope has not settled to this is not smooth enough to have one.
 inline constexpr double kSettled = 1e-3;
 struct Slope {
@@ -117,7 +117,7 @@ inline bool is_regular(ForceUnderTest& e, const State& state, const Direction& a
                        const Direction& seen, double longest) {
   for (const double step : {0.5 * longest, 0.309016994374947424 * longest}) {
     const Roughness rough = roughness_of(e, state, along, seen, step);
-    if (std::abs(rough.fourth) > kIrregular * rough.most) return false;
+    if (std::abs(rough.fourth) > kMostFourthDifference * rough.most) return false;
   }
   return true;
 }
@@ -137,8 +137,8 @@ inline constexpr double kTinyDifference = 1e-12;
 
 /// A kink's two slopes differ by as much twice as far away, those about a smooth point by twice as
 /// much; and by more than the rounding of quadruple precision.
-inline constexpr double kKinked = 0.75;
-inline constexpr double kApart = 1e-6;
+inline constexpr double kLeastKinkRatio = 0.75;
+inline constexpr double kLeastKink = 1e-6;
 
 /// A slope in quadruple precision, to all digits of a double and some more; unsettled where there
 /// is a kink.
@@ -160,8 +160,9 @@ ExactSlope exact_slope(Function&& f, double length) {
   const Quad near = (right + left) / Quad(2.0);
   const Quad far = (far_right + far_left) / Quad(2.0);
   const double apart = std::abs(static_cast<double>(right - left));
-  const bool kinked = apart > kKinked * std::abs(static_cast<double>(far_right - far_left)) &&
-                      apart > kApart * std::abs(static_cast<double>(abs(right) + abs(left)));
+  const bool kinked =
+      apart > kLeastKinkRatio * std::abs(static_cast<double>(far_right - far_left)) &&
+      apart > kLeastKink * std::abs(static_cast<double>(abs(right) + abs(left)));
   return {(Quad(4.0) * near - far) / Quad(3.0),
           std::abs(static_cast<double>(near - far)) + (kinked ? apart : 0.0),
           static_cast<double>(h)};

@@ -11,13 +11,13 @@ namespace tomlin::properties {
 namespace {
 
 /// By so much a bound may be passed: some are found by searching, and stable steps have a margin.
-constexpr double kShort = 0.05;
+constexpr double kMostRelativeExcess = 0.05;
 /// Random phases of a periodic force that are looked at besides each state.
 constexpr int kPhases = 8;
 /// A bound that is never half reached is no estimate: steps are half as long as they could be.
 constexpr double kTightness = 0.5;
 /// Squarings that settle the largest of eigenvalues, also where two are close.
-constexpr int kPasses = 100;
+constexpr int kPowerIterations = 100;
 
 using Block = std::array<double, 9>;
 
@@ -55,7 +55,7 @@ class Blocks : public HessianSink {
 double norm_of(const Block& block) {
   std::array<double, 3> u{0.6, 0.5, 0.4};
   double norm = 0.0;
-  for (int pass = 0; pass < kPasses; ++pass) {
+  for (int pass = 0; pass < kPowerIterations; ++pass) {
     std::array<double, 3> w{};
     for (std::size_t a = 0; a < 3; ++a) {
       for (std::size_t b = 0; b < 3; ++b) w[a] += block[3 * a + b] * u[b];
@@ -71,7 +71,7 @@ double norm_of(const Block& block) {
 void note_bound(ForceUnderTest& e, double curvature, double bound, const State& state) {
   const double found = std::max(curvature, bound);
   e.note(std::isnan(curvature) ? curvature : found, bound, bound,
-         kShort * bound + kRounding * found + kSmallest, state);
+         kMostRelativeExcess * bound + kRounding * found + kSmallest, state);
 }
 
 /// Largest curvature of all particles, where a force gives second derivatives.
@@ -131,7 +131,7 @@ bool compare_slope(ForceUnderTest& e, const State& state, std::size_t i) {
       },
       longest);
   const double rounding = kRounding * (most + e.sensitivity(state)) / slope.shortest;
-  const double error = rounding + kTrust * slope.unsettled;
+  const double error = rounding + kErrorPerDifference * slope.unsettled;
   if (!(error <= kSettled * std::abs(slope.best))) return false;
   const auto& slot = e.alone().model().bodies()[e.variable(i).body].bound.slot;
   const double particles = slot.rigid ? static_cast<double>(slot.count) : 1.0;
@@ -140,12 +140,16 @@ bool compare_slope(ForceUnderTest& e, const State& state, std::size_t i) {
   return true;
 }
 
-/// Moved along every axis with a period by a random part of it.
-State in_another_phase(const ForceUnderTest& e, const State& state, const SceneForce& from,
-                       Random& random) {
+int phases_of(ForceUnderTest& e) { return e.traits().periodic ? 1 + kPhases : 1; }
+
+/// The state itself is the first phase; for others it is moved along every axis with a period by a
+/// random part of it.
+State in_phase(ForceUnderTest& e, const State& state, int phase) {
   State moved = state;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double by = from.record->period(from.description.get(), axis) * random.symmetric();
+  const SceneForce& from = e.described();
+  for (int axis = 0; phase > 0 && axis < 3; ++axis) {
+    const double by =
+        from.record->period(from.description.get(), axis) * e.memory().random.symmetric();
     for (std::size_t i = 0; i < e.count(); ++i) {
       if (e.variable(i).axis == axis) moved.x[i] += by;
     }
@@ -155,43 +159,27 @@ State in_another_phase(const ForceUnderTest& e, const State& state, const SceneF
 
 }  // namespace
 
-std::optional<PropertyResult> stiffness(ForceUnderTest& e) {
-  if (!(e.force().curvature->curvature_bound() >= 0.0)) return std::nullopt;
-  e.begin("stiffness", "no curvature beyond the bound that the stable step is made of");
-  Random random(e.seed());
-  const auto twin = e.twin();
-  for (const State& state : e.near()) {
-    bool compared = false;
-    for (int phase = 0; phase <= (e.traits().periodic ? kPhases : 0); ++phase) {
-      const State here = phase == 0 ? state : in_another_phase(e, state, e.described(), random);
-      compared = compare_blocks(e, *twin, here) ||
-                 compare_slope(e, here, random.below(e.count())) || compared;
-    }
-    if (compared) e.count_state();
+bool stiffness(ForceUnderTest& e, const State& state) {
+  bool compared = false;
+  for (int phase = 0; phase < phases_of(e); ++phase) {
+    const State here = in_phase(e, state, phase);
+    compared = compare_blocks(e, e.twin(), here) ||
+               compare_slope(e, here, e.memory().random.below(e.count())) || compared;
   }
-  return e.end();
+  return compared;
 }
 
 /// There is nothing to compare where a scene stays away from the largest curvature, as high above a
 /// substrate that decays.
-std::optional<PropertyResult> tight(ForceUnderTest& e) {
-  const double bound = e.force().curvature->curvature_bound();
-  if (!(bound > 0.0)) return std::nullopt;
-  e.begin("tight", "some curvature comes to half of the bound that the stable step is made of");
-  Random random(e.seed());
-  const auto twin = e.twin();
-  for (const State& state : e.near()) {
-    for (int phase = 0; phase <= (e.traits().periodic ? kPhases : 0); ++phase) {
-      const State here = phase == 0 ? state : in_another_phase(e, state, e.described(), random);
-      const auto largest = largest_curvature(e, *twin, here);
-      if (!largest) return std::nullopt;
-      if (largest->most > kTightness * bound) {
-        e.note_shown(here);
-        break;
-      }
-    }
+bool tight(ForceUnderTest& e, const State& state) {
+  for (int phase = 0; phase < phases_of(e); ++phase) {
+    const State here = in_phase(e, state, phase);
+    const auto largest = largest_curvature(e, e.twin(), here);
+    if (!largest) return e.withdraw();
+    if (largest->most > kTightness * e.force().curvature->curvature_bound())
+      return e.note_shown(true, here);
   }
-  return e.end();
+  return false;
 }
 
 }  // namespace tomlin::properties

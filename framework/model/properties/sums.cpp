@@ -8,36 +8,6 @@
 namespace tomlin::properties {
 namespace {
 
-/// Through the sides of a box partners pull from elsewhere: torques do not cancel there.
-bool is_open(const Scene& scene) {
-  const std::vector<bool>& periodic = scene.box.periodic;
-  return std::find(periodic.begin(), periodic.end(), true) == periodic.end();
-}
-
-SingleForce::Wrench total_of(ForceUnderTest& e) {
-  SingleForce::Wrench total;
-  for (const std::size_t body : e.alone().force().bodies) {
-    const SingleForce::Wrench wrench = e.alone().wrench(body);
-    for (int a = 0; a < 3; ++a) {
-      total.force[a] += wrench.force[a];
-      total.torque[a] += wrench.torque[a];
-    }
-  }
-  return total;
-}
-
-/// A force with a cutoff leaves out what would act on a body that is fixed.
-bool acts_on_all_its_bodies(ForceUnderTest& e) {
-  const std::vector<Pass<double>> passes = e.force().bound->passes();
-  const std::vector<std::size_t>& bodies = e.alone().force().bodies;
-  return std::all_of(bodies.begin(), bodies.end(), [&](std::size_t body) {
-    return std::any_of(passes.begin(), passes.end(), [&](const Pass<double>& pass) {
-      return std::any_of(pass.writes.begin(), pass.writes.end(),
-                         [&](const Region& region) { return region.body == body; });
-    });
-  });
-}
-
 /// Foreign numbers in the arrays of forces, in which only the force's own bodies may change.
 class Watched {
  public:
@@ -62,7 +32,7 @@ class Watched {
     }
   }
 
-  void fill(double background) {
+  void fill(double background) const {
     std::fill(view_.force, view_.force + own_force_.size(), background);
     std::fill(view_.mapped_force, view_.mapped_force + mapped_size_, background);
   }
@@ -98,108 +68,121 @@ class Watched {
 
 }  // namespace
 
-std::optional<PropertyResult> internal(ForceUnderTest& e) {
-  if (!e.traits().internal || !acts_on_all_its_bodies(e)) return std::nullopt;
-  const bool open = is_open(e.alone().model().scene());
-  e.begin("internal", open ? "forces and torques sum to zero" : "forces sum to zero");
-  const double rounding = rounding_of_sum(e.count());
-  double near = 0.0;  // the largest force at the states so far
-  for (const State* state : e.everywhere()) {
-    const bool close = state->kind == StateKind::near || state->kind == StateKind::start;
-    const double terms = e.terms(*state).size;
-    const double here = terms + e.largest(e.forces(*state));
-    if (!close && !std::isfinite(here)) continue;
-    e.count_state();
-    if (close) near = std::max(near, here);
-    const double largest = close ? near : here;
-    const SingleForce::Wrench total = total_of(e);
-    const double size = largest * static_cast<double>(e.count());
-    const double lever = size * e.reach(*state);
-    const double least = kSmallest * static_cast<double>(e.count());
-    for (int a = 0; a < 3; ++a) {
-      e.note(total.force[a], 0.0, size, rounding * size + least, *state);
-      if (open) {
-        e.note(total.torque[a], 0.0, lever, rounding * lever + least * e.reach(*state), *state);
-      }
-    }
-  }
-  return e.end();
+bool is_open(ForceUnderTest& e) {
+  const std::vector<bool>& periodic = e.alone().model().scene().box.periodic;
+  return std::find(periodic.begin(), periodic.end(), true) == periodic.end();
 }
 
-/// A driver's force and power as the summary will show them. Whoever does work has an end that is
-/// pulled and rates for its force and power, and nobody else has.
-std::optional<PropertyResult> driver(ForceUnderTest& e) {
-  const Drive* drive = e.force().driving->drive();
-  const std::size_t reported = e.force().driving->rate_count();
-  if (!e.traits().does_work && drive == nullptr && reported == 0) return std::nullopt;
-  e.begin("driver", "reports the force it exerts, and force . velocity as its power");
-  const double expected = e.traits().does_work ? e.alone().model().dimension() + 1.0 : 0.0;
-  if (e.traits().does_work != (drive != nullptr) || static_cast<double>(reported) != expected) {
-    e.contradict(static_cast<double>(reported), expected);
-    return e.end();
+SingleForce::Wrench total_of(ForceUnderTest& e) {
+  SingleForce::Wrench total;
+  for (const std::size_t body : e.alone().force().bodies) {
+    const SingleForce::Wrench wrench = e.alone().wrench(body);
+    for (std::size_t a = 0; a < 3; ++a) {
+      total.force[a] += wrench.force[a];
+      total.torque[a] += wrench.torque[a];
+    }
   }
+  return total;
+}
+
+bool acts_on_all_its_bodies(ForceUnderTest& e) {
+  const std::vector<Pass<double>> passes = e.force().bound->passes();
+  const std::vector<std::size_t>& bodies = e.alone().force().bodies;
+  return std::all_of(bodies.begin(), bodies.end(), [&](std::size_t body) {
+    return std::any_of(passes.begin(), passes.end(), [&](const Pass<double>& pass) {
+      return std::any_of(pass.writes.begin(), pass.writes.end(),
+                         [&](const Region& region) { return region.body == body; });
+    });
+  });
+}
+
+bool internal(ForceUnderTest& e, const State& state) {
+  const double rounding = rounding_of_sum(e.count());
+  const double here = e.terms(state).size + e.largest(e.forces(state));
+  if (!state.is_close() && !std::isfinite(here)) return false;
+  double& near = e.memory().largest;
+  if (state.is_close()) near = std::max(near, here);
+  const double largest = state.is_close() ? near : here;
+  const SingleForce::Wrench total = total_of(e);
+  const double size = largest * static_cast<double>(e.count());
+  const double lever = size * e.reach(state);
+  const double least = kSmallest * static_cast<double>(e.count());
+  for (std::size_t a = 0; a < 3; ++a) {
+    e.note(total.force[a], 0.0, size, rounding * size + least, state);
+    if (is_open(e)) {
+      e.note(total.torque[a], 0.0, lever, rounding * lever + least * e.reach(state), state);
+    }
+  }
+  return true;
+}
+
+/// A force that does work has a support and rates for its force and power; no other force has.
+bool reports_if_it_drives(ForceUnderTest& e) {
+  const bool drives = e.force().driving->drive() != nullptr;
+  const auto reported = static_cast<double>(e.force().driving->rate_count());
+  const double expected = e.traits().does_work ? e.alone().model().dimension() + 1.0 : 0.0;
+  if (e.traits().does_work == drives && reported == expected) return true;
+  e.contradict(reported, expected);
+  return false;
+}
+
+/// A driver's force and power as the summary will show them.
+bool driver(ForceUnderTest& e, const State& state) {
+  const Drive* drive = e.force().driving->drive();
   const auto axes = static_cast<std::size_t>(e.alone().model().dimension());
   const auto first = static_cast<std::size_t>(e.alone().force().first_rate);
   const double rounding = rounding_of_sum(e.count());
-  for (const State& state : e.near()) {
-    const std::vector<double> forces = e.forces(state);
-    const double* rates = e.alone().rates();
-    const SingleForce::Wrench total = total_of(e);
-    const double size = (e.largest(forces) + e.terms(state).size) * static_cast<double>(e.count());
-    double power = 0.0;
-    double fastest = 0.0;
-    e.count_state();
-    for (std::size_t d = 0; d < axes; ++d) {
-      e.note(rates[first + d], total.force[d], size, rounding * size, state);
-      power += total.force[d] * drive->velocity[d];
-      fastest = std::max(fastest, std::abs(drive->velocity[d]));
-    }
-    if (!drive->steady) continue;
+  const std::vector<double> forces = e.forces(state);
+  const double* rates = e.alone().rates();
+  const SingleForce::Wrench total = total_of(e);
+  const double size = (e.largest(forces) + e.terms(state).size) * static_cast<double>(e.count());
+  double power = 0.0;
+  double fastest = 0.0;
+  for (std::size_t d = 0; d < axes; ++d) {
+    e.note(rates[first + d], total.force[d], size, rounding * size, state);
+    power += total.force[d] * drive->velocity[d];
+    fastest = std::max(fastest, std::abs(drive->velocity[d]));
+  }
+  if (drive->steady) {
     e.note(rates[first + axes], power, size * fastest, rounding * size * fastest, state);
   }
-  return e.end();
+  return true;
 }
 
 /// Kernels that only add, on numbers that are not theirs; what they read stays as it is. What they
 /// add to nothing they add to anything, on the particles of rigid bodies and on their centres too.
-std::optional<PropertyResult> its_own(ForceUnderTest& e) {
-  e.begin("its own", "acts on its own bodies only, and adds to what is there");
+bool its_own(ForceUnderTest& e, const State& state) {
   constexpr double kBackground = 8.0;
-  const auto twin = e.twin();
-  Watched watched(*twin, e.alone().model());
-  for (const State& state : e.near()) {
-    const std::vector<double> forces = e.forces(state);
-    e.put(state, *twin);
-    twin->evaluate(state.time);
-    const auto add_to = [&](double background) {
-      watched.fill(background);
-      for (const Pass<double>& pass : twin->force().bound->passes()) {
-        if (pass.add != nullptr) pass.add(pass.arguments, twin->stage());
-      }
-    };
-    add_to(0.0);
-    const std::vector<double> added = watched.own();
-    add_to(kBackground);
-    const std::vector<double> found = watched.own();
-    for (std::size_t k = 0; k < added.size(); ++k) {
-      const double size = kBackground + std::abs(added[k]);
-      e.note(found[k], kBackground + added[k], size, kRounding * size, state);
+  ForceTwin<double>& twin = e.twin();
+  Watched watched(twin, e.alone().model());
+  const std::vector<double> forces = e.forces(state);
+  e.put(state, twin);
+  twin.evaluate(state.time);
+  const auto added_to = [&](double background) {
+    watched.fill(background);
+    for (const Pass<double>& pass : twin.force().bound->passes()) {
+      if (pass.add != nullptr) pass.add(pass.arguments, twin.stage());
     }
-    e.count_state();
-    const auto elsewhere = static_cast<double>(watched.changed_elsewhere(kBackground));
-    e.note(elsewhere, 0.0, 1.0, 0.0, state);
-    for (std::size_t i = 0; i < e.count(); ++i) {
-      const std::size_t at = e.variable(i).at;
-      e.note_same(static_cast<double>(twin->position(at)), state.x[i], state);
-      e.note_same(static_cast<double>(twin->velocity(at)), state.v[i], state);
-      // A force acts on either the particles or the centre of a rigid body.
-      const bool rigid = e.alone().model().bodies()[e.variable(i).body].bound.slot.rigid;
-      if (rigid) continue;
-      const double size = kBackground + std::abs(forces[i]);
-      e.note(twin->force_at(at), kBackground + forces[i], size, kRounding * size, state, i);
-    }
+    return watched.own();
+  };
+  const std::vector<double> added = added_to(0.0);
+  const std::vector<double> found = added_to(kBackground);
+  for (std::size_t k = 0; k < added.size(); ++k) {
+    const double size = kBackground + std::abs(added[k]);
+    e.note(found[k], kBackground + added[k], size, kRounding * size, state);
   }
-  return e.end();
+  const auto elsewhere = static_cast<double>(watched.changed_elsewhere(kBackground));
+  e.note(elsewhere, 0.0, 1.0, 0.0, state);
+  for (std::size_t i = 0; i < e.count(); ++i) {
+    const std::size_t at = e.variable(i).at;
+    e.note_same(twin.position(at), state.x[i], state);
+    e.note_same(twin.velocity(at), state.v[i], state);
+    // A force acts on either the particles or the centre of a rigid body.
+    if (e.alone().model().bodies()[e.variable(i).body].bound.slot.rigid) continue;
+    const double size = kBackground + std::abs(forces[i]);
+    e.note(twin.force_at(at), kBackground + forces[i], size, kRounding * size, state, i);
+  }
+  return true;
 }
 
 }  // namespace tomlin::properties

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 /// Largest change of a rotation, in revolutions.
-constexpr double kTurned = 0.05;
+constexpr double kRotationChange = 0.05;
 /// Displacements in parts of a length.
 constexpr double kDisplacement = 0.1;
 
@@ -152,10 +152,10 @@ class Together {
     result_ = {kAllForces, "", "sum", "together they are the sum of each alone", true, 0.0,
                0.0,        0,  {}};
     Random random(options_.seed);
-    for (int k = 0; k < options_.displaced_states; ++k) look_at(displaced(random));
+    for (int k = 0; k < options_.displaced_states; ++k) compare_at(displaced(random));
     State start = start_;
     start.kind = StateKind::start;
-    look_at(start);
+    compare_at(start);
     return result_;
   }
 
@@ -207,7 +207,7 @@ class Together {
       if (!body.bound.slot.rigid || all_.model().dimension() != 2) continue;
       const std::size_t at = body.bound.slot.centre + kRotation;
       if (!(view.inverse_mass[at] > 0.0)) continue;
-      state.x[at] = start_.x[at] + kTurned * random.symmetric();
+      state.x[at] = start_.x[at] + kRotationChange * random.symmetric();
       state.v[at] = random.symmetric();
     }
     for (double& own : state.own) own += kDisplacement * length_ * random.symmetric();
@@ -233,7 +233,7 @@ class Together {
               bound.integrals.begin() + static_cast<std::ptrdiff_t>(steered_));
   }
 
-  void look_at(const State& state) {
+  void compare_at(const State& state) {
     std::vector<double> sum(numbers_.size(), 0.0);
     std::vector<double> size(numbers_.size(), 0.0);
     std::vector<double> own_rates;

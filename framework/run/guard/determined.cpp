@@ -51,9 +51,7 @@ std::vector<Followed> asked_for(const PerturbSettings& settings,
   const std::vector<std::string>& paths =
       settings.observables.empty() ? measured : settings.observables;
   if (paths.empty()) return mean_forces(result);
-  const auto found = settings.locations.find("observables");
-  const SourceLocation& location =
-      found == settings.locations.end() ? settings.location : found->second;
+  const SourceLocation& location = settings.location_of("observables");
   std::vector<Followed> all;
   for (const std::string& path : paths) {
     observable(result, path, location);

@@ -193,6 +193,21 @@ FaultCode code_of(StepFault fault) {
   return FaultCode::run_step_unstable;
 }
 
+/// Name of a prescribed body whose motion has no finite value at one of these times, or halfway.
+std::optional<std::string> body_without_velocity(const Model& model, double from, double to) {
+  for (const Model::Body& body : model.bodies()) {
+    if (!body.prescribed()) continue;
+    for (const double at : {from, from + 0.5 * (to - from), to}) {
+      bool finite = std::isfinite(body.motion->angular_velocity(at));
+      for (const TimeFunction& function : body.motion->velocity) {
+        finite = finite && std::isfinite(function(at));
+      }
+      if (!finite) return body.bound.name;
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault fault,
@@ -203,7 +218,7 @@ RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault faul
   failure.time = static_cast<double>(time);
   failure.code = code_of(fault);
   AlignedVector<double> rates(s.rates + 2 * kGroup, 0.0);
-  if (const auto body = model.body_without_velocity(failure.time, failure.time + h)) {
+  if (const auto body = body_without_velocity(model, failure.time, failure.time + h)) {
     failure.code = FaultCode::expression_not_finite;
     failure.body = *body;
     failure.what = "its prescribed motion has no finite value";

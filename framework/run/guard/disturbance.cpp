@@ -4,6 +4,7 @@
 
 #include "framework/core/numbers/random.hpp"
 #include "framework/core/system/tolerance.hpp"
+#include "framework/model/stability.hpp"
 
 namespace tomlin {
 namespace {
@@ -16,7 +17,7 @@ constexpr std::uint64_t kOnTheWay = 7;
 /// Runs in other precisions keep their state elsewhere: their disturbances are those of the start.
 double memory_of_disturbances(Model& model) {
   if (model.scene().run.number_type != NumberType::double_precision) return 0.0;
-  const Model::Stiffness rates = model.stiffness();
+  const Stiffness rates = stiffness_of(model);
   const double fastest = model.system().view.inertial ? rates.damping_rate : rates.relaxation_rate;
   return fastest > 0.0 ? 1.0 / fastest : 0.0;
 }

@@ -29,7 +29,8 @@ EnergyTerms energy_terms(const Model& model, const double* from_integrals,
       terms.add_heat(between(force.heat_rate));
     }
   }
-  if (model.friction_rate() != kNoRate) terms.add_heat(between(model.friction_rate()));
+  if (model.assembly().friction_rate() != kNoRate)
+    terms.add_heat(between(model.assembly().friction_rate()));
   return terms;
 }
 

@@ -9,6 +9,7 @@
 #include "framework/core/numbers/constants.hpp"
 #include "framework/core/system/tolerance.hpp"
 #include "framework/core/text/axis_names.hpp"
+#include "framework/model/stability.hpp"
 #include "framework/run/guard/diagnose.hpp"
 #include "framework/run/guard/window_warnings.hpp"
 #include "framework/run/window/time_scale.hpp"
@@ -188,7 +189,7 @@ void bound_unwatched_steps(Check& check) {
 void check_step(Check& check) {
   if (check.plan.dt == 0.0) return;
   check.found.stable_step =
-      check.model.stable_step(check.scheme, check.plan.dt / (1.0 - 2.0 * kNoStep));
+      stable_step_of(check.model, check.scheme, check.plan.dt / (1.0 - 2.0 * kNoStep));
   const double longest = std::min(check.plan.dt, check.plan.duration);
   if (is_stable(longest, check.found.stable_step)) return;
   const bool beyond = longest > check.found.stable_step * (1.0 + kNoStep);
@@ -205,11 +206,11 @@ void check_step(Check& check) {
                                 DoubleDouble(0.0), check.plan.dt, check.found.stable_step);
   failure.code = FaultCode::run_step_unstable;
   failure.what = what;
-  if (longest * check.model.fastest_spin() > kLargestRotation) {
+  if (longest * fastest_spin_of(check.model) > kLargestRotation) {
     failure.force.clear();
     failure.cause = "a rigid body rotates by more than half a radian in a step; use a smaller dt";
   } else {
-    failure.force = check.model.stiffest_force();
+    failure.force = stiffest_force_of(check.model);
     failure.cause =
         "the stiffest force limits the step; use a smaller dt, or force the run with "
         "run.allow_unstable = true";
@@ -322,7 +323,7 @@ void check_drag(Check& check) {
   if (check.plan.dt == 0.0 || check.scheme.drag_error == nullptr ||
       !check.model.system().view.inertial)
     return;
-  const double rate = check.model.damping_rate();
+  const double rate = damping_rate_of(check.model);
   const double error = check.scheme.drag_error(std::min(check.plan.dt, check.plan.duration) * rate);
   if (!(error > kCoarseDrag)) return;
   const std::string what = fmt::format(
@@ -386,7 +387,7 @@ void warn_of_hot_baths(Check& check) {
 void warn_of_wide_distribution(Check& check) {
   constexpr double kTooWide = 0.1;  // of the variance
   if (check.model.system().view.noise_count == 0 || check.scheme.variance_error == nullptr) return;
-  const double rate = check.model.stiffness().relaxation_rate;
+  const double rate = stiffness_of(check.model).relaxation_rate;
   const double relaxed = check.plan.dt * rate;
   if (!is_stable(check.plan.dt, check.found.stable_step)) return;
   const double error = check.scheme.variance_error(relaxed);
@@ -425,7 +426,7 @@ void check_pace(Check& check) {
   const auto most =
       static_cast<double>(check.scheme.most_steps(check.scene.run.integrator.description.get()));
   const double longest =
-      std::min(check.model.longest_lasting_step(check.scheme), check.found.longest_step);
+      std::min(longest_lasting_step_of(check.model, check.scheme), check.found.longest_step);
   // A few steps are soon used up; and forces without bound fail for what they are.
   if (!(longest > 0.0) || check.plan.duration / longest <= std::max(most, kSoonTaken)) return;
   fail(FaultCode::run_step_limit, check, "",

@@ -85,7 +85,8 @@ bool EquilibriumSteps::slip() {
     return false;
   }
   const double lost = before - energy();
-  if (model.friction_rate() != kNoRate) view.integrals[model.friction_rate()] += lost;
+  if (model.assembly().friction_rate() != kNoRate)
+    view.integrals[model.assembly().friction_rate()] += lost;
   parts_.observation.at_equilibrium();
   if (run_.path->jumped()) parts_.observation.path_slip(lost);
   return true;

@@ -157,10 +157,8 @@ std::unique_ptr<Integrator<double>> mirrored(Model& model, const void* descripti
   const auto factory = scheme.bind.in<Real>();
   if (factory == nullptr) {
     const Scene& scene = model.scene();
-    const auto location = scene.run.locations.find("number_type");
     throw InputError(
-        {Fault(FaultCode::number_type_unsuitable,
-               location == scene.run.locations.end() ? scene.run.location : location->second,
+        {Fault(FaultCode::number_type_unsuitable, scene.run.location_of("number_type"),
                "run.number_type", fmt::format("\"{}\"", to_string(scene.run.number_type)),
                "not available with the integrator " + scheme.name, "\"double\"")});
   }

@@ -69,9 +69,7 @@ std::int64_t whole_steps(double dt, double duration) {
 [[noreturn]] void refuse_window(FaultCode code, const MeasureSettings& measure,
                                 const std::string& key, const std::string& why,
                                 const std::string& admissible) {
-  const auto found = measure.locations.find(key);
-  throw InputError({Fault(code, found == measure.locations.end() ? measure.location : found->second,
-                          "measure." + key, "", why, admissible)});
+  throw InputError({Fault(code, measure.location_of(key), "measure." + key, "", why, admissible)});
 }
 
 bool waits_for_steady(const Scene& scene) {

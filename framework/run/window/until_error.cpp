@@ -34,8 +34,7 @@ UntilError::UntilError(RunContext& run, Observation& observation)
 
 void UntilError::start(const RunResult& before) {
   const UntilSettings& until = settings();
-  const auto found = until.locations.find("of");
-  const SourceLocation& location = found == until.locations.end() ? until.location : found->second;
+  const SourceLocation& location = until.location_of("of");
   path_ = full_path(before, until.of, location);
   const std::vector<std::string> paths = observation_.estimated();
   if (std::find(paths.begin(), paths.end(), path_) != paths.end()) return;

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "framework/model/stability.hpp"
 #include "framework/run/results/observables.hpp"
 #include "framework/run/window/time_scale.hpp"
 
@@ -19,11 +20,9 @@ void UntilSteady::attach(RunState& state) { steadiness_.attach(state.reals("unti
 
 void UntilSteady::start(const Measured& measured) {
   const UntilSettings& until = settings();
-  const auto location = until.locations.find("steady");
-  observable(measured(), until.steady,
-             location == until.locations.end() ? until.location : location->second);
+  observable(measured(), until.steady, until.location_of("steady"));
   Model& model = run_.model;
-  const auto slowest = model.slowest_time();
+  const auto slowest = slowest_time_of(model);
   slowest_time_ = slowest.value_or(0.0);
   for (const TimeDependence& change : time_dependences(model)) {
     slowest_time_ = std::max(slowest_time_, slowest_cycle(change, run_.plan.duration));

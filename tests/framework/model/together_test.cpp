@@ -7,6 +7,7 @@
 #include "framework/core/system/state_layout.hpp"
 #include "framework/model/model.hpp"
 #include "framework/model/properties.hpp"
+#include "framework/model/stability.hpp"
 #include "tests/support/ring_scenes.hpp"
 
 // Pairs whose particles coincide: where their energy is level there they are as regular as
@@ -104,7 +105,7 @@ TEST(PairsInOnePlace, HaveACurvatureThere) {
       RunState state(layout);
       model.attach(state);
       model.start();
-      EXPECT_NEAR(model.stiffness().spring_frequency, std::sqrt(kStiffness / kMass), 1e-12)
+      EXPECT_NEAR(stiffness_of(model).spring_frequency, std::sqrt(kStiffness / kMass), 1e-12)
           << dimension << tie;
     }
   }

@@ -646,18 +646,8 @@ TEST(ParameterTable, ResolvesInAnyOrder) {
   EXPECT_EQ(table.value("xi"), 2 * std::sqrt(2.0));
   EXPECT_EQ(table.value("alone"), std::numbers::pi);
   EXPECT_EQ(table.value("K"), std::nullopt);
-  const std::vector<std::string> order{"xi", "k", "k0", "alone"};
-  EXPECT_EQ(table.names(), order);
   ASSERT_EQ(table.values().size(), 4u);
   EXPECT_EQ(table.values()[2], (std::pair<std::string, double>{"k0", 1.0}));
-
-  // A sweep changes one name.
-  EXPECT_TRUE(table.replace("k0", 3.0));
-  EXPECT_TRUE(table.replace("alone", "k * 10"));
-  EXPECT_FALSE(table.replace("none", 3.0));
-  ASSERT_TRUE(table.resolve());
-  EXPECT_EQ(table.value("xi"), 4.0);
-  EXPECT_EQ(table.value("alone"), 40.0);
 }
 
 TEST(ParameterTable, CyclesAreNamed) {
@@ -690,18 +680,21 @@ TEST(ParameterTable, CyclesAreNamed) {
 
 TEST(ParameterTable, LongChainsAndCyclesAreNoProblem) {
   constexpr int kLength = 20000;
-  ParameterTable table;
+  ParameterTable chain;
+  ParameterTable cycle;
   for (int i = 0; i < kLength; ++i) {
-    table.add("p" + std::to_string(i), "p" + std::to_string(i + 1) + " + 1");
+    for (ParameterTable* table : {&chain, &cycle}) {
+      table->add("p" + std::to_string(i), "p" + std::to_string(i + 1) + " + 1");
+    }
   }
-  table.add("p" + std::to_string(kLength), 0);
-  ASSERT_TRUE(table.resolve());
-  EXPECT_EQ(table.value("p0"), static_cast<double>(kLength));
-  table.replace("p" + std::to_string(kLength), "p0");
-  EXPECT_FALSE(table.resolve());
-  ASSERT_EQ(table.faults().size(), 1u);
-  EXPECT_LT(table.faults()[0].why.size(), 300u);
-  EXPECT_NE(table.faults()[0].why.find("20001"), std::string::npos);
+  chain.add("p" + std::to_string(kLength), 0);
+  ASSERT_TRUE(chain.resolve());
+  EXPECT_EQ(chain.value("p0"), static_cast<double>(kLength));
+  cycle.add("p" + std::to_string(kLength), "p0");
+  EXPECT_FALSE(cycle.resolve());
+  ASSERT_EQ(cycle.faults().size(), 1u);
+  EXPECT_LT(cycle.faults()[0].why.size(), 300u);
+  EXPECT_NE(cycle.faults()[0].why.find("20001"), std::string::npos);
 }
 
 TEST(ParameterTable, ShadowingAndBadNames) {
@@ -717,7 +710,7 @@ TEST(ParameterTable, ShadowingAndBadNames) {
   }
 }
 
-TEST(ParameterTable, AllFaultsTogetherAndByParameter) {
+TEST(ParameterTable, AllFaultsTogether) {
   ParameterTable table;
   table.add("lambda", 1.0);                                  // 0
   table.add("decay", "lamda / Rr");                          // 1: two names
@@ -742,17 +735,9 @@ TEST(ParameterTable, AllFaultsTogetherAndByParameter) {
   EXPECT_EQ(table.faults()[1].nearest, "");
   EXPECT_EQ(table.faults()[7].code, FaultCode::expression_unknown_name);
 
-  // The reverse index.
-  ASSERT_EQ(table.faults_of(1).size(), 2u);
-  EXPECT_EQ(table.faults_of(1)[1].column, 8u);
-  EXPECT_EQ(table.faults_of(2)[0].part, ParameterFault::Part::name);
-  EXPECT_EQ(table.faults_of(2)[1].part, ParameterFault::Part::value);
-  EXPECT_TRUE(table.faults_of(0).empty());
-  EXPECT_TRUE(table.faults_of(4).empty());
-  EXPECT_TRUE(table.faults_of(99).empty());
-  EXPECT_EQ(table.faults_of("R").size(), 2u);
-  EXPECT_EQ(table.faults_of("R")[1].entry, 8u);
-  EXPECT_TRUE(table.faults_of("good").empty());
+  EXPECT_EQ(table.faults()[2].part, ParameterFault::Part::name);
+  EXPECT_EQ(table.faults()[3].part, ParameterFault::Part::value);
+  EXPECT_EQ(table.faults()[8].entry, 8u);
   EXPECT_EQ(table.value("good"), 2.0);
 }
 
