@@ -355,7 +355,7 @@ std::string lanes_text(const SweepPlan& plan, std::size_t point) {
   Engine* const engine = run.engine();
   const std::string alone = engine == nullptr
                                 ? "accuracy, perturb or repeats make several runs of each"
-                                : engine->why_not_in_lanes();
+                                : engine->in_lanes().why_not();
   if (!alone.empty()) return "none, points are run one by one: " + alone;
   return fmt::format("points of one structure together, {} in a thread",
                      LaneBatch::good_width(*engine));

@@ -157,7 +157,7 @@ bool Simulation::take_steps(double to, std::uint64_t most_steps, std::atomic<boo
       most = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(left));
     }
     const auto before = Clock::now();
-    engine_->step_alone(std::min(most, at_once));
+    engine_->advance(std::min(most, at_once));
     const auto after = Clock::now();
     at_once = after - before < kLookEvery / 4 ? std::min(2 * at_once, kMostAtOnce)
                                               : std::max<std::uint64_t>(1, at_once / 2);
@@ -167,7 +167,7 @@ bool Simulation::take_steps(double to, std::uint64_t most_steps, std::atomic<boo
   }
   // Whether a run is over shows where its next step would be.
   if (!engine_->done() && engine_->time() >= engine_->context().plan.duration) {
-    engine_->step_alone();
+    engine_->advance(1);
   }
   return true;
 }

@@ -8,11 +8,13 @@
 #include <new>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "framework/core/system/scheme.hpp"
 #include "framework/model/model.hpp"
 #include "framework/model/plugin_code.hpp"
+#include "framework/run/guard/energy_terms.hpp"
 #include "framework/run/run.hpp"
 #include "framework/run/steps/run_plan.hpp"
 
@@ -51,11 +53,16 @@ struct RunOutcome {
   std::optional<RunFailure> failure;
   std::optional<PluginError> thrown;  ///< what the code of a plugin has thrown
   std::vector<Warning> warnings;
+  /// The energy balance of a complete run as sampled without a ledger, see energy_balance.hpp.
+  std::optional<SampledWork> sampled_work;
 
   bool done() const { return ended || failure.has_value(); }
   /// All of it was run.
   bool complete() const { return !failure && !interrupted; }
   void interrupt() { interrupted = ended = true; }
+  void warn(std::optional<Warning> warning) {
+    if (warning) warnings.push_back(*std::move(warning));
+  }
 };
 
 /// One run: what is run, and where it stands. All parts of the run share it.

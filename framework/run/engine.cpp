@@ -8,13 +8,14 @@
 #include <vector>
 
 #include "framework/model/stability.hpp"
-#include "framework/run/context.hpp"
 #include "framework/run/events/triggers.hpp"
+#include "framework/run/guard/energy_balance.hpp"
 #include "framework/run/guard/start_checks.hpp"
 #include "framework/run/housekeeping.hpp"
 #include "framework/run/results/observables.hpp"
 #include "framework/run/results/observation.hpp"
 #include "framework/run/steps/lane_batch.hpp"
+#include "framework/run/steps/run_in_lanes.hpp"
 #include "framework/run/steps/stepping.hpp"
 #include "framework/run/window/until_error.hpp"
 #include "framework/run/window/until_steady.hpp"
@@ -28,7 +29,7 @@ constexpr std::uint64_t kBatch = 64 * kBlock;
 }  // namespace
 
 /// Parts of which a run is made.
-struct Engine::Parts {
+struct Engine::Parts final : RunInLanes {
   Parts(const std::shared_ptr<const Scene>& scene, const RunOptions& options);
 
   void declare_state();
@@ -38,12 +39,20 @@ struct Engine::Parts {
   void resume(const std::vector<std::byte>& numbers);
   void go_on();
   void advance(std::uint64_t steps);
-  std::int64_t steps_for_lanes();
-  bool count_steps(std::int64_t steps, const DoubleDouble& time);
-  void step_alone(std::uint64_t limit);
+  void take_some(std::uint64_t limit);
   void look_if_needed();
-  RunResult run_all();
   RunResult end();
+
+  RunContext& context() override { return run; }
+  std::string why_not() const override;
+  std::int64_t steps_for_lanes() override;
+  double next_time() const override { return observation.next_time(); }
+  void step_alone() override;
+  bool watches_steps() const override { return observation.watches(); }
+  void watch(std::int64_t first, std::size_t count, const PointStarts<double>& starts) override;
+  bool count_steps(std::int64_t steps, const DoubleDouble& time,
+                   std::uint64_t evaluations) override;
+
   void read_rates();
   RunResult measured();
   void finish();
@@ -59,8 +68,8 @@ struct Engine::Parts {
   std::optional<UntilSteady> until;
   std::optional<UntilError> until_error;
   std::unique_ptr<Stepping> stepping;
-  std::unique_ptr<EnergyBalance> balance;  ///< null where nothing is sampled
-  AlignedVector<double> rates;             ///< when last read: at the end
+  std::optional<EnergyBalance> balance;  ///< none where nothing is sampled
+  AlignedVector<double> rates;           ///< when last read: at the end
 };
 
 Engine::Parts::Parts(const std::shared_ptr<const Scene>& scene, const RunOptions& options) try
@@ -80,19 +89,19 @@ Engine::Parts::Parts(const std::shared_ptr<const Scene>& scene, const RunOptions
   }
   const SystemView<double>& view = run.model.system().view;
   if (options.watches_energy && !scene->run.ledger && run.path == nullptr) {
-    balance = std::make_unique<EnergyBalance>();
-    balance->start(until ? 0.0 : plan.window_from, until ? plan.duration : plan.window_to);
+    balance.emplace(run, until ? 0.0 : plan.window_from, until ? plan.duration : plan.window_to);
   }
   if (uncontrolled.any()) observation.evaluate_forces_within_steps();
   declare_state();
   attach();
   rates.assign(view.rates + 2 * kGroup, 0.0);
-  stepping =
-      stepping_of({run, observation, triggers, housekeeping, uncontrolled, balance.get(), [this] {
-                     const bool more = until && until->end_period([this] { return measured(); });
-                     if (more) observation.next_window();
-                     return more;
-                   }});
+  stepping = stepping_of({run, observation, triggers, housekeeping, uncontrolled,
+                          balance ? &*balance : nullptr, [this] {
+                            const bool more =
+                                until && until->end_period([this] { return measured(); });
+                            if (more) observation.next_window();
+                            return more;
+                          }});
   observation.start();
   // Whoever keeps what the run leaves hears of a failure, too.
   if (!run.attempt([this] { begin(); })) observation.samples().begin_sink();
@@ -135,7 +144,7 @@ void Engine::Parts::begin() {
   observation.samples().begin_sink();
   if (run.outcome.failure) return;
   observation.placed();
-  if (balance) balance->prepare(run);
+  if (balance) balance->prepare();
   if (run.options.resume_from != nullptr) {
     resume(*run.options.resume_from);
   } else {
@@ -175,10 +184,7 @@ void Engine::Parts::declare_state() {
   if (until) until->declare(layout);
   // Its checkpoints are of no use to a run from the scene's start.
   if (run.options.start_from != nullptr) layout.add_integers("started_elsewhere", 1);
-  if (balance) {
-    layout.add_reals("energy_balance", EnergyBalance::reals(run.model.system().view.rates));
-    layout.add_integers("energy_balance", EnergyBalance::integers());
-  }
+  if (balance) balance->declare(layout);
   run.state = RunState(layout);
 }
 
@@ -193,9 +199,7 @@ void Engine::Parts::attach() {
   housekeeping.attach(state);
   uncontrolled.attach(state);
   if (until) until->attach(state);
-  if (balance) {
-    balance->attach(state.reals("energy_balance"), state.integers("energy_balance"));
-  }
+  if (balance) balance->attach(state);
 }
 
 void Engine::Parts::resume(const std::vector<std::byte>& numbers) {
@@ -219,40 +223,35 @@ void Engine::Parts::go_on() {
 }
 
 void Engine::Parts::advance(std::uint64_t steps) {
-  const std::uint64_t target = taken() + steps;
-  while (!run.outcome.done() && taken() < target) {
-    std::uint64_t most = target - taken();
-    if (balance) most = std::min(most, static_cast<std::uint64_t>(balance->look(run)));
-    stepping->advance(most);
-  }
+  const std::uint64_t target = taken() + std::min(steps, ~taken());
+  run.attempt([this, target] {
+    while (!run.outcome.done() && taken() < target) take_some(target - taken());
+  });
 }
 
-RunResult Engine::Parts::run_all() {
-  // Batches end where blocks of steps do, and some of what is watched is looked at there: at the
-  // same steps whether the run began here or resumes from a checkpoint.
-  run.attempt([this] {
-    while (!run.outcome.done()) {
-      advance(kBatch - taken() % kBatch);
-      if (!run.outcome.interrupted) observation.look_now_and_then();
-    }
-  });
-  return end();
+/// One step, or up to so many of a block.
+void Engine::Parts::take_some(std::uint64_t limit) {
+  const std::uint64_t before = taken();
+  std::uint64_t most = std::min(limit, kBatch - before % kBatch);
+  if (balance) most = std::min(most, static_cast<std::uint64_t>(balance->look()));
+  stepping->advance(most);
+  if (taken() != before || run.outcome.done()) look_if_needed();
 }
 
 RunResult Engine::Parts::end() {
   run.attempt([this] {
-    if (balance) balance->look(run);
+    if (balance) balance->look();
   });
   housekeeping.keep_end();
   finish();
   return result();
 }
 
-/// Up to where run_all() would look at something.
+/// Up to where advance() would look at something.
 std::int64_t Engine::Parts::steps_for_lanes() {
   if (run.outcome.done()) return 0;
   auto most = static_cast<std::int64_t>(kBatch - taken() % kBatch);
-  if (balance) most = std::min(most, balance->idle_steps(run));
+  if (balance) most = std::min(most, balance->idle_steps());
   if (run.plan.dt > 0.0) most = most / kBlock * kBlock;
   const std::int64_t steps = std::min(stepping->steps_for_lanes(), most);
   if (steps > 0) {
@@ -263,7 +262,9 @@ std::int64_t Engine::Parts::steps_for_lanes() {
   return steps;
 }
 
-bool Engine::Parts::count_steps(std::int64_t steps, const DoubleDouble& time) {
+bool Engine::Parts::count_steps(std::int64_t steps, const DoubleDouble& time,
+                                std::uint64_t evaluations) {
+  run.model.system().evaluations += evaluations;
   const std::uint64_t rebased = run.model.rebases();
   run.attempt([&] {
     stepping->count_steps(steps, time);
@@ -272,18 +273,34 @@ bool Engine::Parts::count_steps(std::int64_t steps, const DoubleDouble& time) {
   return run.model.rebases() != rebased;
 }
 
-void Engine::Parts::step_alone(std::uint64_t limit) {
-  run.attempt([this, limit] {
-    std::uint64_t most = std::min(limit, kBatch - taken() % kBatch);
-    if (balance) most = std::min(most, static_cast<std::uint64_t>(balance->look(run)));
-    stepping->advance(most);
-    look_if_needed();
-  });
+void Engine::Parts::step_alone() {
+  run.attempt([this] { take_some(kBatch); });
 }
 
+void Engine::Parts::watch(std::int64_t first, std::size_t count,
+                          const PointStarts<double>& starts) {
+  run.seen = two_prod(static_cast<double>(first + static_cast<std::int64_t>(count)), run.plan.dt);
+  observation.point_block(first, count, starts);
+}
+
+std::string Engine::Parts::why_not() const {
+  std::string reason = why_not_in_lanes(run.model);
+  if (!reason.empty()) return reason;
+  if (uncontrolled.any()) return "forces on what does not move need a control of the step";
+  if (run.options.perturbation) return "noise is added to it";
+  if (until_error) return "until looks at an error after every block of steps";
+  const bool sees_steps = !watches_steps() || run.point_blocks() != nullptr;
+  if (observation.looks_within_steps() || !sees_steps) {
+    return "an observable needs every step: extremes, events, heat or an observer of a plugin";
+  }
+  return "";
+}
+
+/// Some of what is watched is looked at after whole batches: at the same steps whether the run
+/// began here or resumes from a checkpoint.
 void Engine::Parts::look_if_needed() {
   if (run.outcome.interrupted) return;
-  if (run.outcome.done() || taken() % kBatch == 0) observation.look_now_and_then();
+  if (run.outcome.done() || taken() % kBatch == 0) observation.look_at_batch_end();
 }
 
 void Engine::Parts::read_rates() {
@@ -310,10 +327,9 @@ void Engine::Parts::read_end() {
   if (until_error) until_error->finish();
   observation.finish(rates.data());
   if (!balance) return;
-  if (const auto found = balance->found()) {
-    if (auto doubt = doubt_of_balance(*found, true, run)) {
-      run.outcome.warnings.push_back(*std::move(doubt));
-    }
+  run.outcome.sampled_work = balance->found();
+  if (const auto& found = run.outcome.sampled_work) {
+    run.outcome.warn(doubt_of_balance(*found, true, run));
   }
 }
 
@@ -361,50 +377,20 @@ Engine::Engine(const std::shared_ptr<const Scene>& scene, const RunOptions& opti
     : parts_(std::make_unique<Parts>(scene, options)) {}
 Engine::~Engine() = default;
 
-RunResult Engine::run() { return parts_->run_all(); }
-RunContext& Engine::context() { return parts_->run; }
-Model& Engine::model() { return parts_->run.model; }
-RunState& Engine::state() { return parts_->run.state; }
-Integrator<double>& Engine::integrator() { return *parts_->run.integrator; }
-double Engine::stable_step() const { return stable_step_of(parts_->run.model, parts_->run.scheme); }
-std::optional<SampledWork> Engine::sampled_work() const {
-  return parts_->balance ? parts_->balance->found() : std::nullopt;
+RunResult Engine::run() {
+  parts_->advance(std::numeric_limits<std::uint64_t>::max());
+  return parts_->end();
 }
-RunLayout Engine::layout() const { return parts_->observation.samples().layout(); }
-FinalState Engine::final_state() { return parts_->run.model.final_state(parts_->run.clock.now()); }
-const std::optional<PluginError>& Engine::thrown() const { return parts_->run.outcome.thrown; }
-void Engine::resume(const std::vector<std::byte>& numbers) { parts_->resume(numbers); }
 void Engine::advance(std::uint64_t steps) { parts_->advance(steps); }
-std::int64_t Engine::steps_for_lanes() { return parts_->steps_for_lanes(); }
-bool Engine::count_steps(std::int64_t steps, const DoubleDouble& time, std::uint64_t evaluations) {
-  parts_->run.model.system().evaluations += evaluations;
-  return parts_->count_steps(steps, time);
-}
-bool Engine::watches_steps() const { return parts_->observation.watches(); }
-void Engine::watch(std::int64_t first, std::size_t count, const PointStarts<double>& starts) {
-  RunContext& run = parts_->run;
-  run.seen = two_prod(static_cast<double>(first + static_cast<std::int64_t>(count)), run.plan.dt);
-  parts_->observation.point_block(first, count, starts);
-}
-double Engine::next_time() const { return parts_->observation.next_time(); }
-std::string Engine::why_not_in_lanes() const {
-  const RunContext& run = parts_->run;
-  std::string reason = tomlin::why_not_in_lanes(run.model);
-  if (!reason.empty()) return reason;
-  if (parts_->uncontrolled.any()) return "forces on what does not move need a control of the step";
-  if (run.options.perturbation) return "noise is added to it";
-  if (parts_->until_error) return "until looks at an error after every block of steps";
-  const bool sees_steps = !watches_steps() || run.point_blocks() != nullptr;
-  if (parts_->observation.looks_within_steps() || !sees_steps) {
-    return "an observable needs every step: extremes, events, heat or an observer of a plugin";
-  }
-  return "";
-}
-void Engine::step_alone(std::uint64_t most) { parts_->step_alone(most); }
 RunResult Engine::end() { return parts_->end(); }
+void Engine::resume(const std::vector<std::byte>& numbers) { parts_->resume(numbers); }
 bool Engine::done() const { return parts_->run.outcome.done(); }
-bool Engine::failed() const { return parts_->run.outcome.failure.has_value(); }
 double Engine::time() const { return parts_->run.clock.time(); }
 std::uint64_t Engine::steps() const { return parts_->taken(); }
+Model& Engine::model() { return parts_->run.model; }
+RunState& Engine::state() { return parts_->run.state; }
+RunContext& Engine::context() { return parts_->run; }
+RunLayout Engine::layout() const { return parts_->observation.samples().layout(); }
+RunInLanes& Engine::in_lanes() { return *parts_; }
 
 }  // namespace tomlin

@@ -13,6 +13,7 @@
 #include "framework/core/text/axis_names.hpp"
 #include "framework/run/guard/side_run.hpp"
 #include "framework/run/steps/lane_batch.hpp"
+#include "framework/run/window/blocking.hpp"
 
 namespace tomlin {
 namespace {
@@ -35,11 +36,7 @@ struct Repeated {
   /// Standard error of the mean; nothing for a single number.
   std::optional<double> error() const {
     if (numbers.size() < 2) return std::nullopt;
-    const double middle = mean();
-    double squares = 0.0;
-    for (const double x : numbers) squares += (x - middle) * (x - middle);
-    const auto n = static_cast<double>(numbers.size());
-    return std::sqrt(squares / (n * (n - 1.0)));
+    return std::sqrt(variance_of_mean(numbers));
   }
 };
 
@@ -69,9 +66,6 @@ void add_numbers(const RunResult& result, std::vector<Repeated>& all) {
   }
 }
 
-/// Fewer take less time one by one.
-constexpr std::size_t kFewestInLanes = 3;
-
 using Repeats = std::vector<std::unique_ptr<SideRun>>;
 
 /// A stream for each pair of a stream, which is at most 1e12 in a scene, and a repeat from 1 on. It
@@ -93,14 +87,15 @@ Repeats next_repeats(const std::shared_ptr<const Scene>& scene, const RunOptions
     runs.push_back(std::make_unique<SideRun>(other, own, fmt::format("repeat {}", repeat)));
     own.on_progress = nullptr;  // that of the first is that of all
     Engine& engine = runs.front()->engine();
-    if (runs.size() == 1 && engine.why_not_in_lanes().empty()) most = LaneBatch::good_width(engine);
+    if (runs.size() == 1 && engine.in_lanes().why_not().empty())
+      most = LaneBatch::good_width(engine);
   }
   return runs;
 }
 
 std::vector<RunResult> results_of(const Repeats& runs) {
   std::vector<RunResult> results(runs.size());
-  if (runs.size() < kFewestInLanes) {
+  if (runs.size() < LaneBatch::kFewestRuns) {
     std::transform(runs.begin(), runs.end(), results.begin(),
                    [](const auto& run) { return run->engine().run(); });
     return results;

@@ -70,7 +70,7 @@ RunResult run_as_bound(const std::shared_ptr<const Scene>& scene, const RunOptio
   Engine engine(scene, options);
   RunResult result = engine.run();
   if (options.final_state != nullptr && result.status == RunStatus::finished) {
-    *options.final_state = engine.final_state();
+    *options.final_state = engine.model().final_state(engine.context().clock.now());
   }
   if (scene->run.perturb) determine(scene, options, result);
   if (scene->run.repeats > 1) average_over_repeats(scene, options, result);

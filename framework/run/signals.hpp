@@ -125,15 +125,15 @@ class SignalSpan {
 
 template <class Function>
 double SignalSpan::extreme_near(double theta, Function function) const {
-  constexpr double kFirst = 1.0 / 12.0;
-  constexpr double kNearer = 0.25;
+  constexpr double kFirstReach = 1.0 / 12.0;
+  constexpr double kReachFactor = 0.25;
   constexpr int kPasses = 2;
   const auto value = [&](double part) {
     read_dense(part, time(part), within_);
     return function(within_.data());
   };
-  double reach = kFirst;
-  for (int pass = 0; pass < kPasses; ++pass, reach *= kNearer) {
+  double reach = kFirstReach;
+  for (int pass = 0; pass < kPasses; ++pass, reach *= kReachFactor) {
     const double middle = std::clamp(theta, reach, 1.0 - reach);
     const double before = value(middle - reach);
     const double here = value(middle);

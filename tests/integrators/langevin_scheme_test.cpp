@@ -91,11 +91,12 @@ class StepProbe {
     const std::size_t at = engine_.model().bodies()[0].bound.slot.offset;
     view.position[at] = from[0];
     view.velocity[at] = inertial_ ? from[1] : 0.0;
-    engine_.integrator().forces_changed();
+    engine_.context().integrator->forces_changed();
     engine_.state().integers(scheme_ + ".step")[0] = static_cast<std::int64_t>(number);
     const std::ptrdiff_t kinetic = engine_.model().bodies()[0].kinetic_rate;
     if (kinetic != kNoRate) view.integrals[kinetic] = 0.0;
-    const StepReport report = engine_.integrator().step(DoubleDouble(0.0), kStepLength, false);
+    const StepReport report =
+        engine_.context().integrator->step(DoubleDouble(0.0), kStepLength, false);
     EXPECT_EQ(report.fault, StepFault::none);
     if (kinetic != kNoRate) half_step_energy_ = view.integrals[kinetic] / kStepLength;
     Vector to(size());

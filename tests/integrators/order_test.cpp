@@ -416,7 +416,7 @@ TEST(Limits, SmallestStep) {
                                  "smallest_step = 0.05, initial_step = 0.1")),
                 {});
   const Motion before(engine);
-  const StepReport report = engine.integrator().step(DoubleDouble(0.0), 6.4, false);
+  const StepReport report = engine.context().integrator->step(DoubleDouble(0.0), 6.4, false);
   EXPECT_EQ(report.fault, StepFault::step_too_small);
   EXPECT_EQ(report.taken, 0.0);
   EXPECT_TRUE(Motion(engine) == before) << "a failed step leaves the state as it was";
@@ -434,11 +434,13 @@ TEST(Limits, MostSteps) {
   Engine engine(scene_of(scene), {});
   double time = 0.0;
   for (int k = 0; k < 5; ++k) {
-    const StepReport report = engine.integrator().step(DoubleDouble(time), 6.4 - time, false);
+    const StepReport report =
+        engine.context().integrator->step(DoubleDouble(time), 6.4 - time, false);
     ASSERT_EQ(report.fault, StepFault::none);
     time += report.taken;
   }
-  const StepReport report = engine.integrator().step(DoubleDouble(time), 6.4 - time, false);
+  const StepReport report =
+      engine.context().integrator->step(DoubleDouble(time), 6.4 - time, false);
   EXPECT_EQ(report.fault, StepFault::too_many_steps);
   EXPECT_EQ(report.taken, 0.0);
 
@@ -457,7 +459,7 @@ TEST(Limits, LargestStep) {
   // A remainder just above the largest step is not taken along with it.
   double time = 0.0;
   for (const double rest : {6.4, 3.0, 1.005 * kLargest, kLargest, 0.5 * kLargest}) {
-    const StepReport report = engine.integrator().step(DoubleDouble(time), rest, false);
+    const StepReport report = engine.context().integrator->step(DoubleDouble(time), rest, false);
     ASSERT_EQ(report.fault, StepFault::none);
     EXPECT_LE(report.taken, kLargest) << "with " << rest << " to go";
     EXPECT_GT(report.taken, 0.0);
@@ -471,7 +473,7 @@ TEST(Limits, LargestStep) {
 
 TEST(Limits, InitialStep) {
   Engine engine(scene_of(limited("absolute_tolerance = 1.0, initial_step = 0.003")), {});
-  EXPECT_EQ(engine.integrator().step(DoubleDouble(0.0), 6.4, false).taken, 0.003);
+  EXPECT_EQ(engine.context().integrator->step(DoubleDouble(0.0), 6.4, false).taken, 0.003);
 }
 
 /// A tip that starts in a position where its acceleration overflows.
@@ -483,7 +485,7 @@ TEST(Limits, LeavingTheFiniteNumbers) {
                            integrator + "\n"),
                   {});
     const Motion before(engine);
-    const StepReport report = engine.integrator().step(DoubleDouble(0.0), 0.01, false);
+    const StepReport report = engine.context().integrator->step(DoubleDouble(0.0), 0.01, false);
     EXPECT_EQ(report.fault, StepFault::not_finite_or_too_far) << integrator;
     EXPECT_EQ(report.taken, 0.0);
     EXPECT_TRUE(Motion(engine) == before);

@@ -262,8 +262,8 @@ TEST(Radau9, StepsOverFastModes) {
   const double rest = a * std::exp(-slow * o.duration);
   EXPECT_NEAR(result.body(0)["centre_of_mass"][0], o.pull * o.duration - lag + rest, 1e-8);
   EXPECT_NEAR(result.body(0)["velocity"][0], o.pull - slow * rest, 1e-10);
-  EXPECT_LT(Engine(scene_of(o.scene(fixed_step(1e-6))), {}).stable_step(), 1e-5)
-      << "nothing stiff about it";
+  Engine engine(scene_of(o.scene(fixed_step(1e-6))), {});
+  EXPECT_LT(stable_step_of(engine), 1e-5) << "nothing stiff about it";
 }
 
 /// |R| vanishes far out to the left and nowhere exceeds 1 there.
@@ -322,9 +322,8 @@ TEST(Radau9, TakesStiffBondsInItsStride) {
   const RunResult rigid = run_text(table_1(1.0, "rigid", implicit(1e-7), kPeriods));
   // The bonds give way by about amplitude/(bonds R^2), 1e-6.
   EXPECT_NEAR(flexible.driver(0)["mean_force"][0] / rigid.driver(0)["mean_force"][0], 1.0, 2e-5);
-  const double stable =
-      Engine(scene_of(table_1(1.0, "particles", fixed_step(1e-4), kPeriods)), {}).stable_step();
-  const double explicit_cost = 4.0 * kPeriods * 1e3 / stable;
+  Engine engine(scene_of(table_1(1.0, "particles", fixed_step(1e-4), kPeriods)), {});
+  const double explicit_cost = 4.0 * kPeriods * 1e3 / stable_step_of(engine);
   EXPECT_LT(20.0 * static_cast<double>(cost(flexible)), explicit_cost);
 }
 
@@ -404,7 +403,7 @@ TEST(Radau9, FailsWithACauseWhereNoStepIsShortEnough) {
       "{ type = \"radau9\", absolute_tolerance = 1e-12, smallest_step = 5.0, initial_step = 10.0 }";
   Engine engine(scene_of(tip.text()), {});
   const Motion before(engine);
-  const StepReport report = engine.integrator().step(DoubleDouble(0.0), 20.0, false);
+  const StepReport report = engine.context().integrator->step(DoubleDouble(0.0), 20.0, false);
   EXPECT_EQ(report.fault, StepFault::step_too_small);
   EXPECT_EQ(report.taken, 0.0);
   EXPECT_TRUE(Motion(engine) == before) << "a failed step leaves the state as it was";

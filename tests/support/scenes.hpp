@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "framework/model/stability.hpp"
 #include "framework/run/engine.hpp"
 #include "framework/run/run.hpp"
 #include "framework/scene/scene.hpp"
@@ -141,6 +142,15 @@ inline bool same_bits(const ResultValue& a, const ResultValue& b) {
 inline bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
   return a.size() == b.size() &&
          (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0);
+}
+
+/// The stability limit of the scheme's step, at the engine's state.
+inline double stable_step_of(Engine& engine) {
+  return stable_step_of(engine.model(), engine.context().scheme);
+}
+
+inline FinalState final_state_of(Engine& engine) {
+  return engine.model().final_state(engine.context().clock.now());
 }
 
 /// All numbers of one field of a run's state.

@@ -98,4 +98,20 @@ class RunState {
   AlignedVector<std::byte> raw_;
 };
 
+/// Declares the numbers of a list of parts, in fields of this name, and attaches the parts to them.
+template <class Part>
+void declare_all(StateLayout& layout, const std::string& name, const std::vector<Part>& parts) {
+  layout.add_reals(name, parts.size() * Part::kReals);
+  layout.add_integers(name, parts.size() * Part::kIntegers);
+}
+template <class Part>
+void attach_all(RunState& state, const std::string& name, std::vector<Part>& parts) {
+  double* reals = state.reals(name);
+  std::int64_t* integers = state.integers(name);
+  for (Part& part : parts) {
+    part.attach(std::exchange(reals, reals + Part::kReals),
+                std::exchange(integers, integers + Part::kIntegers));
+  }
+}
+
 }  // namespace tomlin

@@ -12,36 +12,36 @@ namespace tomlin {
 namespace {
 
 /// A slip is faster than so many times its driver. Smooth sliding near its threshold reaches a few.
-constexpr double kFastFactor = 10.0;
+constexpr double kSlipSpeedInDriverSpeeds = 10.0;
 /// Between two slips the driver moves at least this part of a period: the swings after a slip
 /// belong to it.
-constexpr double kCalmPart = 0.02;
+constexpr double kCalmWayInPeriods = 0.02;
 /// A driver that has moved by less than this part of a period cannot have pulled anything over a
 /// barrier: a spring softer than the wells (s > 1) holds until s / 2 pi, from an equilibrium.
-constexpr double kLoadedPart = 0.1;
+constexpr double kLoadingWayInPeriods = 0.1;
 /// A point is in a well within this part of a period from its bottom. A sinusoid turns concave at a
 /// quarter; a spring holds the point a little beyond.
-constexpr double kInner = 0.3;
+constexpr double kWellHalfWidthInPeriods = 0.3;
 /// The driver moves by this part of a period along a chord: what is left of the swings after a slip
 /// is small over it, and the slope of a sinusoidal well is that at its bottom to less than a
 /// hundredth.
-constexpr double kChordPart = 0.05;
+constexpr double kChordInPeriods = 0.05;
 /// A point that moves by more than this part of a period is in another well, where wells are not
 /// known. From its largest force to its lowest a tip passes half of the period of a weak substrate,
 /// and more of that of a strong one; less is the passage of some of a body's particles, or a swing.
-constexpr double kPassage = 0.45;
+constexpr double kPassageInPeriods = 0.45;
 /// Parts of the driver's speed: the point rests in a well, whose curvature is more than the
 /// spring's.
-constexpr double kAtRest = 0.5;
+constexpr double kRestingSpeedInDriverSpeeds = 0.5;
 /// Parts of the driver's speed, and units of rounding, that are no motion backwards.
-constexpr double kNoMotion = 1e-3;
-constexpr double kRoundings = 16.0;
-constexpr double kHopPart = 0.2;
+constexpr double kUnresolvedSpeedPart = 1e-3;
+constexpr double kUnresolvedRoundings = 16.0;
+constexpr double kHopInRadii = 0.2;
 /// Points of heat after a moment, whose polynomial goes back to it.
-constexpr std::size_t kHeats = LastPoints::kMost;
-constexpr int kHalvings = 60;
+constexpr std::size_t kPointsOfHeat = LastPoints::kMost;
+constexpr int kMostHalvings = 60;
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 Event between(EventKind kind, double from, double to, double size) {
   Event event = event_of_kind(kind);
@@ -50,18 +50,6 @@ Event between(EventKind kind, double from, double to, double size) {
   event.size = size;
   return event;
 }
-
-Event reversal(double from, double to, double way_back) {
-  return between(EventKind::reversal, from, to, way_back);
-}
-
-Event hop(double from, double to, double height) {
-  return between(EventKind::hop, from, to, height);
-}
-
-}  // namespace
-
-namespace {
 
 /// Stiffness of a pull: force over displacement where only the components along it count. Equal
 /// stiffnesses of the axes are returned as they are, without rounding.
@@ -123,7 +111,7 @@ double LastPoints::root(Function function, double from, double to) const {
   double at_low = function(low);
   const double at_high = function(high);
   if ((at_low > 0.0) == (at_high > 0.0)) return std::abs(at_low) < std::abs(at_high) ? from : to;
-  for (int k = 0; k < kHalvings; ++k) {
+  for (int k = 0; k < kMostHalvings; ++k) {
     const double middle = 0.5 * (low + high);
     if (middle <= low || middle >= high) break;
     const double here = function(middle);
@@ -210,7 +198,7 @@ void DriverWatch::look_for_stiffness(double time, double force) {
 void DriverWatch::begin_chord(double time, double force) {
   numbers_[kChordTime] = time;
   numbers_[kChordForce] = force;
-  numbers_[kChordEnd] = time + kChordPart * period_ / speed_;
+  numbers_[kChordEnd] = time + kChordInPeriods * period_ / speed_;
 }
 
 /// Swings after a slip, or in a well, show no stiffness: the chord begins again.
@@ -259,7 +247,7 @@ void DriverWatch::look(const Emit& emit, const Heat& heat) {
     if (busy_[kMoved] != 0) look_for_passage(emit, heat);
     if (busy_[kPeakOpen] + busy_[kEndOpen] != 0) {
       note_heat(heat);
-      if (long_steps_ || heat_.count() >= kHeats) settle_heat();
+      if (long_steps_ || heat_.count() >= kPointsOfHeat) settle_heat();
     }
   }
   look_for_reversal(emit);
@@ -279,7 +267,7 @@ void DriverWatch::look_for_slip(const Emit& emit) {
     busy_[kHasPeak] = 1;
   }
   const double pulled = stiffness_ * speed_ * (now - force_.time(1));
-  const bool fast = std::abs(pulled - (f0 - f1)) > kFastFactor * pulled;
+  const bool fast = std::abs(pulled - (f0 - f1)) > kSlipSpeedInDriverSpeeds * pulled;
   if (fast) {
     if (!slipping) {
       // A run may start with one.
@@ -299,13 +287,14 @@ void DriverWatch::look_for_slip(const Emit& emit) {
   if (busy_[kFast] != 0) {
     busy_[kFast] = 0;
     const bool forwards = f0 < f1;
-    const double level = stiffness_ * speed_ * (1.0 + (forwards ? -kFastFactor : kFastFactor));
+    const double level = stiffness_ * speed_ *
+                         (1.0 + (forwards ? -kSlipSpeedInDriverSpeeds : kSlipSpeedInDriverSpeeds));
     numbers_[kLastFast] = force_.when_slope_is(level, force_.time(2), now);
     numbers_[kEndForce] = force_.at(numbers_[kLastFast]);
     settle_heat();
     numbers_[kEndHeat] = heat_at(numbers_[kLastFast]);
   }
-  if ((now - numbers_[kLastFast]) * speed_ < kCalmPart * period_) return;
+  if ((now - numbers_[kLastFast]) * speed_ < kCalmWayInPeriods * period_) return;
   const bool known = busy_[kWells] == kKnownWells;
   double well = position();
   if (known && !in_well(well)) return;  // on a barrier
@@ -323,7 +312,7 @@ void DriverWatch::look_for_slip(const Emit& emit) {
 /// A motion that begins before the driver has loaded its spring leads from the start to an
 /// equilibrium, with swings about it: no driver has pulled the point there.
 bool DriverWatch::is_relaxation() const {
-  return (numbers_[kPeakTime] - numbers_[kFirstTime]) * speed_ < kLoadedPart * period_;
+  return (numbers_[kPeakTime] - numbers_[kFirstTime]) * speed_ < kLoadingWayInPeriods * period_;
 }
 
 /// The position of the point, in periods from the first well.
@@ -336,14 +325,14 @@ double DriverWatch::position_at(double time, double force) const {
 bool DriverWatch::in_well(double& well) const {
   const double here = position();
   well = std::nearbyint(here);
-  return std::abs(here - well) < kInner;
+  return std::abs(here - well) < kWellHalfWidthInPeriods;
 }
 
 /// Whether the point has passed from one well to another at once, where wells are not known.
 bool DriverWatch::is_passage() const {
   const double size =
       way(numbers_[kPeakTime], numbers_[kPeakForce], numbers_[kLastFast], numbers_[kEndForce]);
-  return size > kPassage * period_;
+  return size > kPassageInPeriods * period_;
 }
 
 /// A point that has been in a well before does not slip to it again.
@@ -361,27 +350,28 @@ void DriverWatch::look_for_slip_of_noise(double along, const Emit& emit) {
       numbers_[kPeakAlong] = along;
       busy_[kHasPeak] = 1;
     }
-    if (!(here >= numbers_[kWell] + 1.0 - kInner)) return;
+    if (!(here >= numbers_[kWell] + 1.0 - kWellHalfWidthInPeriods)) return;
     busy_[kSlipping] = 1;
     numbers_[kReached] = numbers_[kWell];
     enter_well();
     return;
   }
-  if (here >= numbers_[kReached] + 1.0 - kInner) {
+  if (here >= numbers_[kReached] + 1.0 - kWellHalfWidthInPeriods) {
     enter_well();
     return;
   }
   const double before = position_at(force_.time(1), force_.value(1));
   numbers_[kStayed] += 0.5 * (before + here) * (now - force_.time(1));
-  if ((now - numbers_[kLastFast]) * speed_ * kFastFactor >= period_) end_slip_of_noise(emit);
+  if ((now - numbers_[kLastFast]) * speed_ * kSlipSpeedInDriverSpeeds >= period_)
+    end_slip_of_noise(emit);
 }
 
 /// Within the last step, on the straight line between its ends: noise leaves no smoother one.
 void DriverWatch::enter_well() {
   const double now = force_.time(0);
   const double here = position();
-  numbers_[kReached] = std::floor(here + kInner);
-  const double edge = numbers_[kReached] - kInner;
+  numbers_[kReached] = std::floor(here + kWellHalfWidthInPeriods);
+  const double edge = numbers_[kReached] - kWellHalfWidthInPeriods;
   numbers_[kLastFast] = now;
   if (force_.count() > 1) {
     const double before = position_at(force_.time(1), force_.value(1));
@@ -402,7 +392,8 @@ void DriverWatch::end_slip_of_noise(const Emit& emit) {
   if (!(well > numbers_[kWell])) return;
   numbers_[kWell] = well;
   busy_[kHasPeak] = 0;
-  if ((numbers_[kLastFast] - numbers_[kFirstTime]) * speed_ < kLoadedPart * period_) return;
+  if ((numbers_[kLastFast] - numbers_[kFirstTime]) * speed_ < kLoadingWayInPeriods * period_)
+    return;
   numbers_[kHighest] = std::max(numbers_[kHighest], numbers_[kPeakAlong]);
   Event slip = event_of_kind(EventKind::slip);
   slip.time = numbers_[kPeakTime];
@@ -412,7 +403,7 @@ void DriverWatch::end_slip_of_noise(const Emit& emit) {
   emit(slip);
 }
 
-/// At rest in another well: a slip that no speed has told of, which has ended where the force was
+/// At rest in another well: a slip that no speed has shown, which has ended where the force was
 /// lowest.
 void DriverWatch::look_for_passage(const Emit& emit, const Heat& heat) {
   if (busy_[kSlipping] != 0) return;
@@ -425,12 +416,12 @@ void DriverWatch::look_for_passage(const Emit& emit, const Heat& heat) {
     begin_heat(kEndOpen);
   };
   if (lowest) end_here();
-  if (force_.slope_at(now) < (1.0 - kAtRest) * stiffness_ * speed_) return;
+  if (force_.slope_at(now) < (1.0 - kRestingSpeedInDriverSpeeds) * stiffness_ * speed_) return;
   const bool known = busy_[kWells] == kKnownWells;
   double well = position();
   if (known && !in_well(well)) return;
   const bool first = busy_[kHasWell] == 0;
-  const bool further = !first && well > numbers_[kWell] + (known ? 0.0 : kPassage);
+  const bool further = !first && well > numbers_[kWell] + (known ? 0.0 : kPassageInPeriods);
   if (further && busy_[kHasPeak] != 0) {
     if (!(numbers_[kLastFast] > numbers_[kPeakTime])) end_here();
     if ((known || is_passage()) && !is_relaxation()) {
@@ -469,7 +460,7 @@ void DriverWatch::settle_heat() {
 
 /// Not back beyond long steps.
 double DriverWatch::heat_at(double time) const {
-  if (heat_.count() == 0) return kNone;
+  if (heat_.count() == 0) return kUnknown;
   return heat_.at(long_steps_ ? std::max(time, heat_.time(heat_.count() - 1)) : time);
 }
 
@@ -489,8 +480,8 @@ void DriverWatch::look_for_reversal(const Emit& emit) {
   const double interval = force_.time(0) - force_.time(1);
   const double f0 = force_.value(0);
   const double moved = way(force_.time(1), force_.value(1), force_.time(0), f0);
-  const double noise =
-      kNoMotion * speed_ * interval + kRoundings * precision_ * (std::abs(f0) / stiffness_);
+  const double noise = kUnresolvedSpeedPart * speed_ * interval +
+                       kUnresolvedRoundings * precision_ * (std::abs(f0) / stiffness_);
   if (std::abs(moved) <= noise) return;
   const bool back = moved < 0.0;
   if (back == (busy_[kBack] != 0)) return;
@@ -502,8 +493,8 @@ void DriverWatch::look_for_reversal(const Emit& emit) {
     numbers_[kBackForce] = force;
     return;
   }
-  emit(reversal(numbers_[kBackTime], at,
-                -way(numbers_[kBackTime], numbers_[kBackForce], at, force)));
+  emit(between(EventKind::reversal, numbers_[kBackTime], at,
+               -way(numbers_[kBackTime], numbers_[kBackForce], at, force)));
 }
 
 void DriverWatch::finish(double time, const Emit& emit) {
@@ -513,13 +504,13 @@ void DriverWatch::finish(double time, const Emit& emit) {
       numbers_[kLastFast] = force_.time(0);
       numbers_[kEndForce] = force_.value(0);
       busy_[kEndOpen] = 0;
-      numbers_[kEndHeat] = kNone;
+      numbers_[kEndHeat] = kUnknown;
     }
     emit_slip(emit);
   }
   if (busy_[kBack] == 0) return;
-  emit(reversal(numbers_[kBackTime], time,
-                -way(numbers_[kBackTime], numbers_[kBackForce], force_.time(0), force_.value(0))));
+  emit(between(EventKind::reversal, numbers_[kBackTime], time,
+               -way(numbers_[kBackTime], numbers_[kBackForce], force_.time(0), force_.value(0))));
 }
 
 void BodyWatch::attach(double* reals, std::int64_t* integers) {
@@ -537,7 +528,7 @@ void BodyWatch::start() {
 }
 
 void BodyWatch::look_for_hop(double time, double y, const Emit& emit) {
-  const double enough = kHopPart * radius_ + rise_;
+  const double enough = kHopInRadii * radius_ + rise_;
   if (busy_[kStarted] == 0) {
     busy_[kStarted] = 1;
     numbers_[kLow] = y;
@@ -559,7 +550,7 @@ void BodyWatch::look_for_hop(double time, double y, const Emit& emit) {
   numbers_[kHigh] = std::max(numbers_[kHigh], y);
   if (numbers_[kHigh] - y <= enough) return;
   const double down = height_.when_value_is(numbers_[kHigh] - enough, before, time);
-  emit(hop(numbers_[kSince], down, numbers_[kHigh] - numbers_[kLow]));
+  emit(between(EventKind::hop, numbers_[kSince], down, numbers_[kHigh] - numbers_[kLow]));
   busy_[kRisen] = 0;
   numbers_[kLow] = y;
   numbers_[kHigh] = y + enough;
@@ -579,7 +570,7 @@ void BodyWatch::look_for_turn(double time, double turns, const Emit& emit) {
 
 void BodyWatch::finish(double time, const Emit& emit) {
   if (busy_[kRisen] == 0) return;
-  emit(hop(numbers_[kSince], time, numbers_[kHigh] - numbers_[kLow]));
+  emit(between(EventKind::hop, numbers_[kSince], time, numbers_[kHigh] - numbers_[kLow]));
 }
 
 }  // namespace tomlin

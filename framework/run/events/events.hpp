@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <functional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "framework/core/system/state_layout.hpp"
@@ -117,9 +116,8 @@ class DriverWatch {
   /// When a slip is reported: the largest force of the peaks up to its own.
   double highest_peak() const { return numbers_[kHighest]; }
   void attach(double* reals, std::int64_t* integers);
+  /// Forgets what was going on; wells are not counted any more.
   void start();
-  /// Ends what was going on; wells are not counted any more.
-  void restart() { start(); }
   /// Its driver has turned round: what was going on is over, and wells are counted along the new
   /// direction.
   void turned();
@@ -175,7 +173,7 @@ class DriverWatch {
     } else if (time >= numbers_[kChordEnd]) {
       end_chord(time, along);
     }
-    if (long_steps_ && !(sticks && rise > kFirmly * pulled)) note_heat(heat);
+    if (long_steps_ && !(sticks && rise > kStickingRisePart * pulled)) note_heat(heat);
     if (sticks && is_idle()) return;
     if (known) look(emit, heat);
   }
@@ -191,7 +189,7 @@ class DriverWatch {
 
  private:
   /// Far from its maximum the force rises by more than this part of what the driver pulls.
-  static constexpr double kFirmly = 0.5;
+  static constexpr double kStickingRisePart = 0.5;
   /// Values of busy_[kWells].
   static constexpr std::int64_t kNoWells = 0;
   static constexpr std::int64_t kKnownWells = 1;
@@ -327,22 +325,5 @@ class BodyWatch {
   double* numbers_ = nullptr;
   std::int64_t* busy_ = nullptr;
 };
-
-/// Declares what a list of watches keeps in the run's state, in fields of this name.
-template <class Watch>
-void declare_watches(StateLayout& layout, const std::string& name,
-                     const std::vector<Watch>& watches) {
-  layout.add_reals(name, watches.size() * Watch::kReals);
-  layout.add_integers(name, watches.size() * Watch::kIntegers);
-}
-template <class Watch>
-void attach_watches(RunState& state, const std::string& name, std::vector<Watch>& watches) {
-  double* reals = state.reals(name);
-  std::int64_t* integers = state.integers(name);
-  for (Watch& watch : watches) {
-    watch.attach(std::exchange(reals, reals + Watch::kReals),
-                 std::exchange(integers, integers + Watch::kIntegers));
-  }
-}
 
 }  // namespace tomlin

@@ -106,7 +106,7 @@ void Extremes::add(double time, const double* values, bool inside) {
 /// more than an eighth of what they differ by: mostly none of a block's comes near the extremes.
 void Extremes::add_block(const double* times, const double* values, std::size_t count,
                          bool inside) {
-  constexpr double kRise = 0.25;  // an eighth, and room for rounding
+  constexpr double kRiseOfParabola = 0.25;  // an eighth, and room for rounding
   constexpr std::size_t kBefore = 2;
   if (count <= kBefore || !inside) {
     for (std::size_t n = 0; n < count; ++n) add(times[n], values + n * signals_, inside);
@@ -121,7 +121,7 @@ void Extremes::add_block(const double* times, const double* values, std::size_t 
       high = std::max(high, values[n * signals_ + k]);
       low = std::min(low, values[n * signals_ + k]);
     }
-    const double rise = kRise * (high - low);
+    const double rise = kRiseOfParabola * (high - low);
     near = near || !(high + rise < high_[k] && low - rise > low_[k]);
   }
   if (near) {
@@ -146,59 +146,6 @@ void Extremes::include(const double* values) {
 void Extremes::include(std::size_t k, double value) {
   if (value > high_[k]) high_[k] = value;
   if (value < low_[k]) low_[k] = value;
-}
-
-void StaticForces::declare(StateLayout& layout, std::size_t signals) {
-  layout.add_reals("static_force.height", signals);
-  layout.add_reals("static_force.last", signals);
-  layout.add_reals("static_force.previous", signals);
-  layout.add_reals("static_force.times", 2);
-  layout.add_integers("static_force.settled", signals);
-  layout.add_integers("static_force.counts", 2);
-}
-
-void StaticForces::attach(RunState& state, std::size_t signals) {
-  signals_ = signals;
-  height_ = state.reals("static_force.height");
-  last_ = state.reals("static_force.last");
-  previous_ = state.reals("static_force.previous");
-  times_ = state.reals("static_force.times");
-  settled_ = state.integers("static_force.settled");
-  seen_ = state.integers("static_force.counts");
-  open_ = seen_ + 1;
-}
-
-void StaticForces::start() {
-  *open_ = static_cast<std::int64_t>(signals_);
-  std::fill_n(height_, signals_, -std::numeric_limits<double>::max());
-}
-
-void StaticForces::settle(std::size_t signal) {
-  if (std::exchange(settled_[signal], 1) == 0) --*open_;
-}
-
-void StaticForces::settle(std::size_t signal, double value) {
-  if (open(signal)) height_[signal] = value;
-  settle(signal);
-}
-
-bool StaticForces::any(std::size_t signal) const {
-  return height_[signal] > -std::numeric_limits<double>::max();
-}
-
-void StaticForces::add(double time, const double* values, const bool* counted) {
-  for (std::size_t k = 0; k < signals_; ++k) {
-    const double y = values[k];
-    if (counted[k]) include(k, y);
-    if (counted[k] && *seen_ >= 2 && last_[k] > previous_[k] && last_[k] >= y) {
-      include(k, parabola_vertex(times_[1], previous_[k], times_[0], last_[k], time, y));
-    }
-    previous_[k] = last_[k];
-    last_[k] = y;
-  }
-  times_[1] = times_[0];
-  times_[0] = time;
-  if (*seen_ < 2) ++*seen_;
 }
 
 }  // namespace tomlin

@@ -43,42 +43,6 @@ class Extremes {
   enum { kSeen, kLastInside };
 };
 
-/// Static forces: of each signal the largest value before it is settled, by the first slip, or of
-/// the whole run.
-class StaticForces {
- public:
-  static void declare(StateLayout& layout, std::size_t signals);
-  void attach(RunState& state, std::size_t signals);
-  void start();
-  /// Values jump here: none lies between two that have been added.
-  void break_off() { *seen_ = 0; }
-  /// A point of each signal, and which of them count; a maximum between points is that of the
-  /// parabola through three.
-  void add(double time, const double* values, const bool* counted);
-  /// One more value of a signal.
-  void include(std::size_t signal, double value) {
-    if (settled_[signal] == 0 && value > height_[signal]) height_[signal] = value;
-  }
-  /// The signal has slipped.
-  void settle(std::size_t signal);
-  /// The signal has slipped after this largest value: later ones, until it was known, do not count.
-  void settle(std::size_t signal, double value);
-  bool any_open() const { return *open_ > 0; }
-  bool open(std::size_t signal) const { return settled_[signal] == 0; }
-  bool any(std::size_t signal) const;
-  double value(std::size_t signal) const { return height_[signal]; }
-
- private:
-  std::size_t signals_ = 0;
-  double* height_ = nullptr;
-  double* last_ = nullptr;
-  double* previous_ = nullptr;
-  double* times_ = nullptr;
-  std::int64_t* settled_ = nullptr;
-  std::int64_t* seen_ = nullptr;
-  std::int64_t* open_ = nullptr;
-};
-
 /// Local extremes of the cubic through values at 0, 1/3, 2/3 and 1, in the order of theta.
 struct CubicExtremes {
   int count = 0;

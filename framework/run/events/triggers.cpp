@@ -55,7 +55,7 @@ bool Triggers::waiting() const {
                      [this](const Trigger& one) { return force_of(one).control->waits(); });
 }
 
-/// Sides are told apart: 0 above the upper value, 1 below the lower one.
+/// Side 0 is above the upper value, 1 below the lower one.
 double Triggers::beyond(const Trigger& trigger, int side) const {
   const Passing& passing = *force_of(trigger).control->waits_for();
   const auto& value = side == 0 ? passing.above : passing.below;

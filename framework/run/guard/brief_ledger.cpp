@@ -24,7 +24,7 @@ bool integrates_rates(const RunContext& run) {
 
 }  // namespace
 
-BriefLedger::BriefLedger(const RunContext& run) {
+BriefLedger::BriefLedger(RunContext& run) : run_(run) {
   const SystemView<double>& view = run.model.system().view;
   if (!integrates_rates(run)) return;
   splits_friction_ = !run.scheme.takes_any_scene();
@@ -100,15 +100,15 @@ void BriefLedger::write_heat(const void* damper, const Stage<double>& stage) {
   stage.rates[own.rate] = of.power;
 }
 
-bool BriefLedger::lacks_first_step(const RunContext& run) const {
-  return splits_friction_ && run.integrator->is_started();
+bool BriefLedger::lacks_first_step() const {
+  return splits_friction_ && run_.integrator->is_started();
 }
 
-void BriefLedger::keep(RunContext& run, bool on) {
+void BriefLedger::keep(bool on) {
   if (on == kept_) return;
   kept_ = on;
-  lane_calls_.swap(run.model.assembly().lane_calls());
-  System<double>& system = run.model.system();
+  lane_calls_.swap(run_.model.assembly().lane_calls());
+  System<double>& system = run_.model.system();
   SystemView<double>& view = system.view;
   if (on) {
     without_ = view;
@@ -129,17 +129,16 @@ void BriefLedger::keep(RunContext& run, bool on) {
   }
   if (splits_friction_) return;
   // The start of the next step is evaluated with other operations.
-  system.evaluations -= run.integrator->evaluations_ahead();
-  run.integrator->forces_changed();
+  system.evaluations -= run_.integrator->evaluations_ahead();
+  run_.integrator->forces_changed();
 }
 
-EnergyTerms BriefLedger::terms(const RunContext& run, const double* from_integrals,
-                               double from) const {
-  const double* const now = run.model.system().view.integrals;
-  EnergyTerms terms = energy_terms(run.model, from_integrals, now, from, run.clock.time());
+EnergyTerms BriefLedger::terms(const double* from_integrals, double from) const {
+  const double* const now = run_.model.system().view.integrals;
+  EnergyTerms terms = energy_terms(run_.model, from_integrals, now, from, run_.clock.time());
   for (const Heat& heat : heats_) {
     const double out = now[heat.rate] - from_integrals[heat.rate];
-    heat.of_energy ? terms.add_work(-out) : terms.add_heat(out);
+    terms.add_out(heat.of_energy, out);
   }
   return terms;
 }

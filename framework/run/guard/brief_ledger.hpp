@@ -16,16 +16,16 @@ struct RunContext;
 /// velocities keep their bits.
 class BriefLedger {
  public:
-  explicit BriefLedger(const RunContext& run);
+  explicit BriefLedger(RunContext& run);
 
   /// False where heats are not known in this way: adaptive schemes, other number types, motion
   /// without inertia, no room in the padding of the rates, velocities that nothing else asks for.
   bool can_be_kept() const { return can_be_kept_; }
   /// The scheme goes on with rates of the step before, so that the first step that the ledger is
   /// kept in lacks some.
-  bool lacks_first_step(const RunContext& run) const;
+  bool lacks_first_step() const;
   /// From this step on, or no more.
-  void keep(RunContext& run, bool on);
+  void keep(bool on);
   bool is_kept() const { return kept_; }
   /// The ledger of a single particle on a line is kept by the kernels that take steps in registers.
   bool is_in_registers() const { return !points_.empty(); }
@@ -33,7 +33,7 @@ class BriefLedger {
   bool splits_friction() const { return splits_friction_; }
   /// Returns work and heat of the steps since `from`, from running integrals then and now; the
   /// stored energy is left out.
-  EnergyTerms terms(const RunContext& run, const double* from_integrals, double from) const;
+  EnergyTerms terms(const double* from_integrals, double from) const;
 
  private:
   struct Heat {
@@ -54,6 +54,7 @@ class BriefLedger {
                                        double start, double elapsed);
   static void write_heat(const void* damper, const Stage<double>& stage);
 
+  RunContext& run_;
   bool can_be_kept_ = false;
   bool splits_friction_ = false;
   bool kept_ = false;

@@ -23,7 +23,7 @@ constexpr const char* kPerturbKey = "run.perturb";  // of warnings
 constexpr double kLog10 = 2.302585092994046;
 /// Halving a force takes half of a change that is in proportion to it, and nothing of a change of
 /// branch. Where it takes more than this the two runs are on different branches.
-constexpr double kMostTaken = 0.75;
+constexpr double kMostTakenByHalving = 0.75;
 
 /// An observable that is followed, and the size that its spread is held against: a component of a
 /// vector is as large as the vector.
@@ -73,7 +73,7 @@ std::optional<double> without_force(std::optional<double> alone, std::optional<d
   if (!alone || !under || !under_half) return under;
   const double change = std::abs(*under - *alone);
   const double step = std::abs(*under - *under_half);
-  return step > kMostTaken * change ? under : 2.0 * *under_half - *under;
+  return step > kMostTakenByHalving * change ? under : 2.0 * *under_half - *under;
 }
 
 double size_of(const RunResult& result, const Followed& followed) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -41,9 +42,7 @@ std::string strongest_force(Model& model, std::size_t coordinate) {
   std::string strongest;
   double most = -1.0;
   AlignedVector<double> rates(s.rates + 2 * kGroup, 0.0);
-  Stage<double> stage =
-      stage_of(s, static_cast<const double*>(s.position), static_cast<const double*>(s.velocity),
-               static_cast<const double*>(s.integrals), rates.data(), 0.0);
+  Stage<double> stage = stage_of(s, s.position, s.velocity, s.integrals, rates.data(), 0.0);
   for (const Model::Force& force : model.forces()) {
     double part = 0.0;
     for (const Pass<double>& pass : force.own_passes()) {
@@ -94,9 +93,8 @@ NotFinite not_finite(Model& model, const DoubleDouble& time, double h) {
     model.anchor(then);  // where formulas count their time from; nothing goes on after a failure
     for (std::size_t i = 0; i < s.dofs; ++i) position[i] = s.position[i] + part * h * s.velocity[i];
     model.evaluate_at(then, position.data(), s.velocity, s.integrals, rates.data());
-    const Stage<double> stage = stage_of(
-        s, static_cast<const double*>(position.data()), static_cast<const double*>(s.velocity),
-        static_cast<const double*>(s.integrals), rates.data(), 0.0);
+    const Stage<double> stage =
+        stage_of(s, position.data(), s.velocity, s.integrals, rates.data(), 0.0);
     for (const Model::Force& force : model.forces()) {
       if (!found.why.empty() || !force.is_active()) continue;
       found = {force.name, force.diagnosis->why_not_finite(stage)};
@@ -110,11 +108,11 @@ NotFinite not_finite(Model& model, const DoubleDouble& time, double h) {
 /// Whether two particles of a body coincide, or meet within a step of h on their way.
 bool particles_meet(const Model& model, const SystemView<double>& s, const std::string& name,
                     double h) {
-  constexpr std::size_t kFew = 500;       // a message is not worth more than this squared
-  constexpr double kAsGoodAsZero = 1e-6;  // of the distance
+  constexpr std::size_t kMostParticles = 500;  // a message is not worth more than this squared
+  constexpr double kClosestPart = 1e-6;        // of the distance
   for (const Model::Body& body : model.bodies()) {
     const BodySlot<double>& slot = body.bound.slot;
-    if (body.bound.name != name || slot.mapped || slot.count > kFew) continue;
+    if (body.bound.name != name || slot.mapped || slot.count > kMostParticles) continue;
     for (std::size_t i = 0; i < slot.count; ++i) {
       for (std::size_t j = i + 1; j < slot.count; ++j) {
         double apart[3] = {};
@@ -140,7 +138,7 @@ bool particles_meet(const Model& model, const SystemView<double>& s, const std::
           const double left = apart[d] + meeting * closing[d];
           closest += left * left;
         }
-        if (closest <= kAsGoodAsZero * kAsGoodAsZero * square) return true;
+        if (closest <= kClosestPart * kClosestPart * square) return true;
       }
     }
   }
@@ -217,34 +215,35 @@ RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault faul
   failure.step = step;
   failure.time = static_cast<double>(time);
   failure.code = code_of(fault);
+  const auto because = [&failure](std::string what, std::string cause) {
+    failure.what = std::move(what);
+    failure.cause = std::move(cause);
+    return failure;
+  };
   AlignedVector<double> rates(s.rates + 2 * kGroup, 0.0);
   if (const auto body = body_without_velocity(model, failure.time, failure.time + h)) {
     failure.code = FaultCode::expression_not_finite;
     failure.body = *body;
-    failure.what = "its prescribed motion has no finite value";
-    failure.cause =
+    return because(
+        "its prescribed motion has no finite value",
         "an expression in motion has no value there: it is evaluated outside of the range in which "
-        "it is defined";
-    return failure;
+        "it is defined");
   }
   model.evaluate_at(time, s.position, s.velocity, s.integrals, rates.data());
   if (s.coordinates == 0) {
-    failure.what =
+    return because(
         "a variable that is not a coordinate left the finite numbers, or cannot be kept "
-        "to the tolerance";
-    failure.cause =
-        "a force law was evaluated outside of the range in which it is defined, or a motion jumps";
-    return failure;
+        "to the tolerance",
+        "a force law was evaluated outside of the range in which it is defined, or a motion jumps");
   }
   if (fault == StepFault::not_finite_or_too_far) {
     if (const Model::Force* thermostat = failing_thermostat(model, h)) {
       failure.body = model.bodies()[thermostat->bodies.front()].bound.name;
       failure.force = thermostat->name;
-      failure.what = "the velocities of the body would not be finite numbers";
-      failure.cause =
+      return because(
+          "the velocities of the body would not be finite numbers",
           "the kinetic energy is too far from the temperature for this thermostat: the speed "
-          "diverges, or the body starts much too hot";
-      return failure;
+          "diverges, or the body starts much too hot");
     }
   }
   const std::size_t worst = worst_coordinate(model, h);
@@ -260,27 +259,23 @@ RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault faul
     case StepFault::none:
       break;
     case StepFault::too_many_steps:
-      failure.what = "the integrator has taken most_steps steps";
-      failure.cause = "the scene is stiffer, or the run longer, than most_steps allows for";
-      return failure;
+      return because("the integrator has taken most_steps steps",
+                     "the scene is stiffer, or the run longer, than most_steps allows for");
     case StepFault::no_equilibrium:
       if (scheme.splits_bonds) {
         failure.code = FaultCode::integrator_unsuitable;
-        failure.what = "the body has left the shape that " + scheme.name + " takes its bonds at";
-        failure.cause = fmt::format(
-            "its bonds are soft, loose or too far from rest for a step of {:g}: take a "
-            "much smaller dt, or another scheme: {}",
-            h, integrators_with_bonds_as_forces(model.scene()));
-        return failure;
+        return because(
+            "the body has left the shape that " + scheme.name + " takes its bonds at",
+            fmt::format("its bonds are soft, loose or too far from rest for a step of {:g}: take a "
+                        "much smaller dt, or another scheme: {}",
+                        h, integrators_with_bonds_as_forces(model.scene())));
       }
-      failure.what = "no stable equilibrium was found from here on";
-      failure.cause =
-          "the scene is unconstrained against its forces: it slides away or slips indefinitely";
-      return failure;
+      return because(
+          "no stable equilibrium was found from here on",
+          "the scene is unconstrained against its forces: it slides away or slips indefinitely");
     case StepFault::step_too_small:
-      failure.what = "the step needed is below smallest_step";
-      failure.cause = "tolerances below what rounding allows, or a force that is not smooth";
-      return failure;
+      return because("the step needed is below smallest_step",
+                     "tolerances below what rounding allows, or a force that is not smooth");
     case StepFault::not_finite_or_too_far:
       failure.what =
           finite ? fmt::format(

@@ -10,7 +10,7 @@ namespace tomlin {
 namespace {
 
 /// The numbers that runs from disturbed starts draw beside those of their starts.
-constexpr std::uint64_t kOnTheWay = 7;
+constexpr std::uint64_t kDrawOfDisturbance = 7;
 
 }  // namespace
 
@@ -26,8 +26,9 @@ void disturb(const Perturbation& noise, std::uint64_t moment, Model& model) {
   const SystemView<double>& view = model.system().view;
   const auto displace = [&](std::size_t k) {
     if (view.inverse_mass[k] == 0.0) return;
-    view.position[k] += noise.size / tolerance_scales(view).in_units[k] *
-                        uniform_symmetric({noise.seed, noise.stream}, {k, kOnTheWay, moment, 0});
+    view.position[k] +=
+        noise.size / tolerance_scales(view).in_units[k] *
+        uniform_symmetric({noise.seed, noise.stream}, {k, kDrawOfDisturbance, moment, 0});
   };
   for (const Model::Body& body : model.bodies()) {
     const auto& meant = noise.bodies;

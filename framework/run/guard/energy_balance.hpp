@@ -3,13 +3,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <vector>
 
 #include "framework/core/numbers/double_double.hpp"
 #include "framework/core/system/aligned.hpp"
 #include "framework/core/system/stage.hpp"
+#include "framework/core/system/state_layout.hpp"
+#include "framework/run/guard/brief_ledger.hpp"
 #include "framework/run/guard/energy_terms.hpp"
 #include "framework/run/run.hpp"
 
@@ -18,20 +19,9 @@
 /// sampled.
 namespace tomlin {
 
-class BriefLedger;
 class Observation;
 struct RunContext;
 struct RunMoment;
-
-/// A sum over a window, known from some of its steps.
-struct SampledWork {
-  double work = 0.0;  ///< sizes of its parts, and of those of heat: see EnergyTerms
-  double heat = 0.0;
-  double kinetic = 0.0;  ///< mean over the window
-  double stored = 0.0;   ///< mean size of kinetic and potential energy, which round
-  double numerical = 0.0;
-  double uncertainty = 0.0;  ///< standard error of `numerical`; 0: all steps were looked at
-};
 
 /// A warning where the numerical work is neither small beside work and heat nor the chance of a
 /// sample. Without heat it is held against the energy itself, too. That of an adaptive scheme is
@@ -47,30 +37,21 @@ std::optional<Warning> doubt_of_balance(const SampledWork& found, bool sampled, 
 /// Strata are so long that the balance takes a twentieth of the run's evaluations at most.
 class EnergyBalance {
  public:
-  /// Numbers in the run state.
-  static constexpr std::size_t reals(std::size_t rates) { return kReals + rates; }
-  static constexpr std::size_t integers() { return kIntegers; }
-
-  EnergyBalance();
-  ~EnergyBalance();
-  EnergyBalance(const EnergyBalance&) = delete;
-  EnergyBalance& operator=(const EnergyBalance&) = delete;
-
-  void attach(double* reals, std::int64_t* integers);
-  /// Begins a window.
-  void start(double from, double to);
+  /// Over a window of time.
+  EnergyBalance(RunContext& run, double from, double to) : run_(run), from_(from), to_(to) {}
+  void declare(StateLayout& layout) const;
+  void attach(RunState& state);
   /// Is called before the first step. Has no effect where no step can be sampled.
-  void prepare(RunContext& run);
+  void prepare();
 
   /// Before every step of the run, or as many as it said last; and at its end.
-  std::int64_t look(RunContext& run);
+  std::int64_t look();
   /// How many steps there are before look() has something to do.
-  std::int64_t idle_steps(const RunContext& run);
+  std::int64_t idle_steps();
   /// The next step is looked into: it is taken alone, with dense output.
   bool looks_into_step() const { return looks_into_step_; }
   /// It has been taken from `begin` on, and the clock is at its end, `next_since` after the anchor.
-  void look_into(RunContext& run, Observation& observation, const DoubleDouble& begin,
-                 double next_since);
+  void look_into(Observation& observation, const DoubleDouble& begin, double next_since);
   /// At the end of the run. Nothing where too few steps were looked at.
   std::optional<SampledWork> found() const;
 
@@ -102,24 +83,24 @@ class EnergyBalance {
     bool of_energy = false;  ///< of one that changes with time: work on the scene
   };
 
-  bool looks() const { return stratum_ > 0; }
-  bool find_heats(RunContext& run);
+  bool find_heats();
   std::int64_t length_of_stratum() const;
-  void open_block(RunContext& run);
-  std::int64_t go_on_with_block(RunContext& run);
-  void close_block(RunContext& run, std::int64_t steps);
-  void add_node(RunContext& run, const RunMoment& at, double weight);
-  void count(const RunContext& run, EnergyTerms terms, double stored, std::int64_t steps);
+  void open_block();
+  std::int64_t go_on_with_block();
+  void close_block(std::int64_t steps);
+  void add_node(const RunMoment& at, double weight);
+  void count(EnergyTerms terms, double stored, std::int64_t steps);
 
-  std::unique_ptr<BriefLedger> ledger_;  ///< null: single steps are looked into
+  RunContext& run_;
+  double from_;
+  double to_;
+  std::optional<BriefLedger> ledger_;  ///< none: single steps are looked into
   std::vector<Heat> heats_;
   AlignedVector<double> heat_rates_;
   std::vector<double> heat_sums_;
   AlignedVector<double> velocity_;  ///< that follows from forces
   std::vector<double> none_;        ///< integrals before a step
   std::vector<double> sums_of_rates_;
-  double from_ = 0.0;
-  double to_ = 0.0;
   std::int64_t stratum_ = 0;      ///< steps, at least; 0: nothing is looked at
   std::int64_t steps_ = 1;        ///< that a sample has
   bool kept_throughout_ = false;  ///< the run keeps a ledger in all its steps

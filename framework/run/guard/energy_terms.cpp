@@ -3,7 +3,6 @@
 #include "framework/run/context.hpp"
 #include "framework/run/guard/prescribed_inertia.hpp"
 #include "framework/run/window/window.hpp"
-#include "framework/scene/motion_slope.hpp"
 
 namespace tomlin {
 
@@ -21,13 +20,7 @@ EnergyTerms energy_terms(const Model& model, const double* from_integrals,
   }
   for (const Model::Force& force : model.forces()) {
     if (force.heat_rate == kNoRate) continue;
-    // An energy that changes with time does work on the scene: its heat is that, with the other
-    // sign.
-    if (force.traits.conservative) {
-      terms.add_work(-between(force.heat_rate));
-    } else {
-      terms.add_heat(between(force.heat_rate));
-    }
+    terms.add_out(force.traits.conservative, between(force.heat_rate));
   }
   if (model.assembly().friction_rate() != kNoRate)
     terms.add_heat(between(model.assembly().friction_rate()));
@@ -65,13 +58,8 @@ double heat_so_far(RunContext& run) {
   for (const Model::Driver& driver : model.drivers()) {
     work += view.integrals[driver.first_rate + model.dimension()];
     // The kinetic energy below is that of what is free.
-    for (const Model::Body& body : model.bodies()) {
-      if (!body.prescribed() || body.bound.name != driver.name) continue;
-      const auto apart = static_cast<std::size_t>(driver.first_rate) +
-                         2 * static_cast<std::size_t>(model.dimension()) + 1;
-      if (accelerates(*body.motion) && view.inertial && run.path == nullptr) {
-        work -= view.integrals[apart];
-      }
+    if (is_accelerated(model, driver)) {
+      work -= view.integrals[driver.first_rate + 2 * model.dimension() + 1];
     }
   }
   for (const Model::Force& force : model.forces()) {

@@ -26,7 +26,20 @@ struct EnergyTerms {
     heat += part;
     size_of_heat += std::abs(part);
   }
+  /// Adds what a force takes out of the scene: heat, or the work of an energy that changes with
+  /// time, with the other sign.
+  void add_out(bool of_energy, double part) { of_energy ? add_work(-part) : add_heat(part); }
   double numerical() const { return stored + heat - work; }
+};
+
+/// A sum over a window, known from some of its steps.
+struct SampledWork {
+  double work = 0.0;  ///< sizes of its parts, and of those of heat: see EnergyTerms
+  double heat = 0.0;
+  double kinetic = 0.0;  ///< mean over the window
+  double stored = 0.0;   ///< mean size of kinetic and potential energy, which round
+  double numerical = 0.0;
+  double uncertainty = 0.0;  ///< standard error of `numerical`; 0: all steps were looked at
 };
 
 /// Work and heat between two times, from running integrals with a ledger.

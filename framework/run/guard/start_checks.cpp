@@ -30,7 +30,29 @@ struct Check {
   const Scene& scene = model.scene();
   const IntegratorRecord& scheme = *scene.run.integrator.record;
   StartFindings found = {};
+
+  void warn(FaultCode code, std::string text, std::string key) {
+    found.warnings.push_back({code, std::move(text), std::move(key)});
+  }
+  /// The run fails before its first step; the first reason is the one that is reported.
+  void fail(FaultCode code, const std::string& body, std::string what, std::string cause) {
+    if (found.failure) return;
+    RunFailure& failure = found.failure.emplace();
+    failure.code = code;
+    failure.body = body;
+    failure.what = std::move(what);
+    failure.cause = std::move(cause);
+  }
 };
+
+/// Returns the shortest period that the forces have along an axis; infinite where they have none.
+double shortest_period(const Model& model) {
+  double period = std::numeric_limits<double>::infinity();
+  for (int d = 0; d < model.dimension(); ++d) {
+    if (model.origin().unit[d] > 0.0) period = std::min(period, model.origin().unit[d]);
+  }
+  return period;
+}
 
 /// Largest distance of a body's particles from its centre.
 double reach_of(const Model::Body& body) {
@@ -57,39 +79,28 @@ double fastest_of(const Model::Body& body, double duration) {
   return fastest;
 }
 
-/// A run that fails before its first step; the first reason is the one that is reported.
-void fail(FaultCode code, Check& check, const std::string& body, std::string what,
-          std::string cause) {
-  if (check.found.failure) return;
-  RunFailure& failure = check.found.failure.emplace();
-  failure.code = code;
-  failure.body = body;
-  failure.what = std::move(what);
-  failure.cause = std::move(cause);
-}
-
 /// Parts of a length that has to be seen: what is coarser is warned of, or refused.
 constexpr double kCoarsePositions = 1e-9;
-constexpr double kFewPositions = 100.0;  // of a short number type
+constexpr double kFewestPositions = 100.0;  // of a short number type
 // Parts of the scene's length (natural_units.hpp), where no period or bond is along an axis.
 constexpr double kCoarseUnits = 1e-6;
-constexpr double kFewUnits = 1000.0;
-constexpr double kUselessPositions = 1e-3;
+constexpr double kFewestUnits = 1000.0;
+constexpr double kRefusedPositions = 1e-3;
 /// Tolerance of an adaptive scheme, as a part of a period or of half the shortest bond. Half a
 /// period is the way from a well to the next barrier: a step may end in any well.
 constexpr double kCoarseTolerance = 1e-2;
-constexpr double kUselessTolerance = 0.5;
+constexpr double kRefusedTolerance = 0.5;
 /// Error of a driver's force by that of positions, over the largest force of substrate and drag.
 constexpr double kCoarseForce = 1e-2;
 /// Relative error of the drag, and so of a mean force, by the scheme alone.
 constexpr double kCoarseDrag = 1e-2;
-constexpr double kUselessDrag = 1e-1;
+constexpr double kRefusedDrag = 1e-1;
 /// Relative error of a mean by the rounding of the integral that it is a difference of.
 constexpr double kCoarseMean = 1e-6;
 /// Part of a change with time that steps may miss without a warning.
 constexpr double kMissedChange = 1e-2;
 /// Steps that a scheme takes in seconds.
-constexpr double kSoonTaken = 1e6;
+constexpr double kStepsOfSeconds = 1e6;
 
 /// The friction coefficient of a body's particles together.
 class TotalFriction : public FrictionSink {
@@ -141,11 +152,10 @@ void warn_of_idle_velocities(Check& check) {
     if (!any && !warm) continue;
     const std::string key =
         fmt::format("body.{}.{}", body.name, any ? "velocity" : "start_temperature");
-    check.found.warnings.push_back(
-        {FaultCode::scene_velocity_unused,
-         fmt::format("{} means nothing without inertia: velocities follow from {}", key,
-                     check.scheme.follows_equilibria ? "the drivers'" : "forces"),
-         key});
+    check.warn(FaultCode::scene_velocity_unused,
+               fmt::format("{} means nothing without inertia: velocities follow from {}", key,
+                           check.scheme.follows_equilibria ? "the drivers'" : "forces"),
+               key);
   }
 }
 
@@ -153,11 +163,10 @@ void warn_of_idle_velocities(Check& check) {
 void warn_of_unused_integrator(Check& check) {
   const SceneIntegrator& integrator = check.scene.run.integrator;
   if (integrator.not_used.empty()) return;
-  check.found.warnings.push_back(
-      {FaultCode::integrator_unused,
-       fmt::format("{} = {} is not used: quasistatic dynamics follow equilibria by {}",
-                   kIntegratorKey, integrator.not_used, integrator.name),
-       kIntegratorKey});
+  check.warn(FaultCode::integrator_unused,
+             fmt::format("{} = {} is not used: quasistatic dynamics follow equilibria by {}",
+                         kIntegratorKey, integrator.not_used, integrator.name),
+             kIntegratorKey);
 }
 
 /// An adaptive scheme has no error to control where nothing is free, yet forces on prescribed
@@ -171,10 +180,7 @@ void bound_unwatched_steps(Check& check) {
   constexpr double kPartOfPeriod = 0.02;
   constexpr double kPartOfRun = 1e-3;
   check.found.longest_step = kPartOfRun * check.plan.duration;
-  double period = std::numeric_limits<double>::infinity();
-  for (int d = 0; d < check.model.dimension(); ++d) {
-    if (check.model.origin().unit[d] > 0.0) period = std::min(period, check.model.origin().unit[d]);
-  }
+  const double period = shortest_period(check.model);
   for (const Model::Body& body : check.model.bodies()) {
     if (!body.prescribed()) continue;
     const double speed = fastest_of(body, check.plan.duration);
@@ -199,7 +205,7 @@ void check_step(Check& check) {
                   beyond ? "beyond" : "no shorter than", check.scheme.name, check.found.stable_step,
                   in_ps ? "; times are in ps, and 1 fs is 1e-3" : "");
   if (check.scene.run.allow_unstable) {
-    check.found.warnings.push_back({FaultCode::integrator_beyond_stability, what, kStepKey});
+    check.warn(FaultCode::integrator_beyond_stability, what, kStepKey);
     return;
   }
   RunFailure failure = diagnose(check.model, check.scheme, StepFault::not_finite_or_too_far, 0,
@@ -223,9 +229,9 @@ void check_inertia(Check& check) {
   for (const Model::Body& body : check.model.bodies()) {
     if (!body.bound.slot.rigid || !(body.has_free_rotation())) continue;
     if (reach_of(body) == 0.0 || std::isnormal(body.inertia)) continue;
-    fail(FaultCode::matrix_singular, check, body.bound.name,
-         "its moment of inertia is beyond the range of numbers",
-         "lengths or masses too small or too large; take other units");
+    check.fail(FaultCode::matrix_singular, body.bound.name,
+               "its moment of inertia is beyond the range of numbers",
+               "lengths or masses too small or too large; take other units");
   }
 }
 
@@ -262,26 +268,26 @@ void check_positions(Check& check) {
       }
     }
     const double coarse = epsilon * farthest_without_length / tolerance_scales(view).length;
-    if (coarse > std::max(kCoarseUnits, kFewUnits * epsilon)) {
-      check.found.warnings.push_back(
-          {FaultCode::number_type_coarse_positions,
-           fmt::format("{}: positions along {} are far from zero, and no force declares a period "
-                       "there: {} resolves {:.2g}, and smaller displacements are lost",
-                       body.bound.name, kAxisNames[axis_without_length],
-                       to_string(check.scene.run.number_type), epsilon * farthest_without_length),
-           "body." + body.bound.name});
+    if (coarse > std::max(kCoarseUnits, kFewestUnits * epsilon)) {
+      check.warn(
+          FaultCode::number_type_coarse_positions,
+          fmt::format("{}: positions along {} are far from zero, and no force declares a period "
+                      "there: {} resolves {:.2g}, and smaller displacements are lost",
+                      body.bound.name, kAxisNames[axis_without_length],
+                      to_string(check.scene.run.number_type), epsilon * farthest_without_length),
+          "body." + body.bound.name);
     }
-    if (worst <= std::max(kCoarsePositions, kFewPositions * epsilon)) continue;
+    if (worst <= std::max(kCoarsePositions, kFewestPositions * epsilon)) continue;
     const std::string what = fmt::format(
         "positions along {} are too far from zero: {} resolves {:.2g} of the "
         "shortest length there (a period, half a bond, a radius)",
         kAxisNames[axis], to_string(check.scene.run.number_type), worst);
-    if (worst <= kUselessPositions) {
-      check.found.warnings.push_back({FaultCode::number_type_coarse_positions,
-                                      body.bound.name + ": " + what, "body." + body.bound.name});
+    if (worst <= kRefusedPositions) {
+      check.warn(FaultCode::number_type_coarse_positions, body.bound.name + ": " + what,
+                 "body." + body.bound.name);
     } else {
-      fail(FaultCode::number_type_unsuitable, check, body.bound.name, what,
-           "start nearer to zero, or in a finer number_type");
+      check.fail(FaultCode::number_type_unsuitable, body.bound.name, what,
+                 "start nearer to zero, or in a finer number_type");
     }
   }
 }
@@ -296,25 +302,22 @@ void check_time_scales(Check& check) {
       check.found.longest_step = std::min(check.found.longest_step, longest);
     } else if (longest < check.plan.dt ||
                missed_by_steps(change, check.plan.dt, check.plan.duration) > kMissedChange) {
-      check.found.warnings.push_back({FaultCode::integrator_unresolved_time,
-                                      fmt::format("{} changes faster than steps of {:g} can follow",
-                                                  change.what, check.plan.dt),
-                                      change.key});
+      check.warn(FaultCode::integrator_unresolved_time,
+                 fmt::format("{} changes faster than steps of {:g} can follow", change.what,
+                             check.plan.dt),
+                 change.key);
     }
   }
   check.model.anchor(DoubleDouble(0.0));
   if (check.plan.dt == 0.0) return;
-  double period = std::numeric_limits<double>::infinity();
-  for (int d = 0; d < check.model.dimension(); ++d) {
-    if (check.model.origin().unit[d] > 0.0) period = std::min(period, check.model.origin().unit[d]);
-  }
+  const double period = shortest_period(check.model);
   for (const Model::Body& body : check.model.bodies()) {
     if (!body.prescribed()) continue;
     const double way = fastest_of(body, check.plan.duration) * check.plan.dt;
     if (!(way > period)) continue;
-    fail(FaultCode::run_step_unstable, check, body.bound.name,
-         fmt::format("its prescribed motion covers {:.3g} periods in a step", way / period),
-         fmt::format("dt = {:g} is too long for it", check.plan.dt));
+    check.fail(FaultCode::run_step_unstable, body.bound.name,
+               fmt::format("its prescribed motion covers {:.3g} periods in a step", way / period),
+               fmt::format("dt = {:g} is too long for it", check.plan.dt));
   }
 }
 
@@ -330,13 +333,13 @@ void check_drag(Check& check) {
       "dt = {:g} is {:.3g} times the time 1/{:g} in which friction stops a motion: "
       "{} underestimates the friction force by {:.2g} of it",
       check.plan.dt, check.plan.dt * rate, rate, check.scheme.name, error);
-  if (error <= kUselessDrag || check.scene.run.allow_unstable) {
-    check.found.warnings.push_back({FaultCode::integrator_weak_drag, what, kStepKey});
+  if (error <= kRefusedDrag || check.scene.run.allow_unstable) {
+    check.warn(FaultCode::integrator_weak_drag, what, kStepKey);
     return;
   }
-  fail(FaultCode::run_step_unstable, check, "", what,
-       "take a smaller dt, dynamics = \"overdamped\", or insist with run.allow_unstable = "
-       "true");
+  check.fail(FaultCode::run_step_unstable, "", what,
+             "take a smaller dt, dynamics = \"overdamped\", or insist with run.allow_unstable = "
+             "true");
 }
 
 /// The highest temperature of the baths of a body, an energy.
@@ -373,51 +376,52 @@ void warn_of_hot_baths(Check& check) {
     }
     if (body.slot.rigid) barrier *= static_cast<double>(body.slot.count);
     if (!(barrier > 0.0 && bath.highest > kMostBarriers * barrier)) continue;
-    check.found.warnings.push_back(
-        {FaultCode::run_far_above_barriers,
-         fmt::format("the temperature of the bath of \"{}\", {:g}, is {:.2g} times the highest "
-                     "barrier of its substrate, about {:.2g}: in reduced units a temperature is an "
-                     "energy, k_B T",
-                     body.name, bath.highest, bath.highest / barrier, barrier),
-         "body." + body.name});
+    check.warn(
+        FaultCode::run_far_above_barriers,
+        fmt::format("the temperature of the bath of \"{}\", {:g}, is {:.2g} times the highest "
+                    "barrier of its substrate, about {:.2g}: in reduced units a temperature is an "
+                    "energy, k_B T",
+                    body.name, bath.highest, bath.highest / barrier, barrier),
+        "body." + body.name);
   }
 }
 
 /// Positions that scatter too widely in a well, of the largest relaxation rate in the scene.
 void warn_of_wide_distribution(Check& check) {
-  constexpr double kTooWide = 0.1;  // of the variance
+  constexpr double kLargestVarianceError = 0.1;  // of the variance
   if (check.model.system().view.noise_count == 0 || check.scheme.variance_error == nullptr) return;
   const double rate = stiffness_of(check.model).relaxation_rate;
   const double relaxed = check.plan.dt * rate;
   if (!is_stable(check.plan.dt, check.found.stable_step)) return;
   const double error = check.scheme.variance_error(relaxed);
-  if (!(error >= kTooWide)) return;
-  check.found.warnings.push_back(
-      {FaultCode::integrator_wide_distribution,
-       fmt::format("dt = {:g} is {:.2g} times the time 1/{:g} in which a coordinate relaxes: {} "
-                   "makes the variance of a position in a well too large, by up to {:.2g} of it",
-                   check.plan.dt, relaxed, rate, check.scheme.name, error),
-       kStepKey});
+  if (!(error >= kLargestVarianceError)) return;
+  check.warn(
+      FaultCode::integrator_wide_distribution,
+      fmt::format("dt = {:g} is {:.2g} times the time 1/{:g} in which a coordinate relaxes: {} "
+                  "makes the variance of a position in a well too large, by up to {:.2g} of it",
+                  check.plan.dt, relaxed, rate, check.scheme.name, error),
+      kStepKey);
 }
 
 /// Without inertia noise moves a coordinate by sqrt(2 T h/c) z in a step. A run is long, and z may
-/// be as large as kSurelyLess.
+/// be as large as kLargestNormalNumber.
 void check_noise(Check& check) {
-  constexpr double kSurelyLess = 6.0;
+  constexpr double kLargestNormalNumber = 6.0;
   const SystemView<double>& view = check.model.system().view;
   if (view.noise_count == 0 || check.scene.run.allow_unstable) return;
   double worst = 0.0;
   for (std::size_t i = 0; i < view.dofs; ++i) {
     worst = std::max(worst, view.noise_scale[i] / view.largest_move[i]);
   }
-  const double step = 1.0 / (kSurelyLess * worst);
+  const double step = 1.0 / (kLargestNormalNumber * worst);
   if (!(std::sqrt(check.plan.dt) > step)) return;
-  fail(FaultCode::run_step_unstable, check, "",
-       fmt::format("noise moves a coordinate by {:.2g} of the shortest length there (a period, or "
-                   "half a bond) in a step, in the root mean square",
-                   std::sqrt(check.plan.dt) * worst),
-       fmt::format("take a dt of at most {:.2g}, or insist with run.allow_unstable = true",
-                   step * step));
+  check.fail(
+      FaultCode::run_step_unstable, "",
+      fmt::format("noise moves a coordinate by {:.2g} of the shortest length there (a period, or "
+                  "half a bond) in a step, in the root mean square",
+                  std::sqrt(check.plan.dt) * worst),
+      fmt::format("take a dt of at most {:.2g}, or insist with run.allow_unstable = true",
+                  step * step));
 }
 
 /// Friction and bonds do not let an explicit scheme take longer steps, however smooth the motion.
@@ -428,14 +432,14 @@ void check_pace(Check& check) {
   const double longest =
       std::min(longest_lasting_step_of(check.model, check.scheme), check.found.longest_step);
   // A few steps are soon used up; and forces without bound fail for what they are.
-  if (!(longest > 0.0) || check.plan.duration / longest <= std::max(most, kSoonTaken)) return;
-  fail(FaultCode::run_step_limit, check, "",
-       fmt::format("the run would take at least {:.2g} steps: {} keeps no step beyond "
-                   "about {:.2g} here",
-                   check.plan.duration / longest, check.scheme.name, longest),
-       fmt::format("most_steps allows {:g}; take a shorter run, a scheme for stiff "
-                   "scenes, or dynamics without inertia",
-                   most));
+  if (!(longest > 0.0) || check.plan.duration / longest <= std::max(most, kStepsOfSeconds)) return;
+  check.fail(FaultCode::run_step_limit, "",
+             fmt::format("the run would take at least {:.2g} steps: {} keeps no step beyond "
+                         "about {:.2g} here",
+                         check.plan.duration / longest, check.scheme.name, longest),
+             fmt::format("most_steps allows {:g}; take a shorter run, a scheme for stiff "
+                         "scenes, or dynamics without inertia",
+                         most));
 }
 
 /// A tolerance that does not see the lattice. Where nothing else keeps steps short, the result
@@ -455,16 +459,16 @@ void warn_of_coarse_tolerance(Check& check) {
       "a tolerance of {:g} does not resolve the scene's shortest length, {:g} (a period, or half a "
       "bond)",
       *asked * scales.length, shortest * scales.length);
-  if (*asked <= kUselessTolerance * shortest || holds_steps(check.scene.run) ||
+  if (*asked <= kRefusedTolerance * shortest || holds_steps(check.scene.run) ||
       check.scene.run.allow_unstable) {
-    check.found.warnings.push_back({FaultCode::integrator_coarse_tolerance,
-                                    what + ": results follow the steps", kIntegratorKey});
+    check.warn(FaultCode::integrator_coarse_tolerance, what + ": results follow the steps",
+               kIntegratorKey);
     return;
   }
-  fail(FaultCode::scene_out_of_range, check, "", what + ": the result would mean nothing",
-       fmt::format("take finer tolerances, absolute ones well below {:.2g}; without "
-                   "absolute_tolerance it is 1e-9 of the scene's length, {:g}",
-                   kCoarseTolerance * shortest * scales.length, scales.length));
+  check.fail(FaultCode::scene_out_of_range, "", what + ": the result would mean nothing",
+             fmt::format("take finer tolerances, absolute ones well below {:.2g}; without "
+                         "absolute_tolerance it is 1e-9 of the scene's length, {:g}",
+                         kCoarseTolerance * shortest * scales.length, scales.length));
 }
 
 /// A position is known to the tolerance or to its last digit, and a driver's force to its stiffness
@@ -495,13 +499,13 @@ void warn_of_stiff_drivers(Check& check) {
     const double asked = tolerance_of(check.scene.run.integrator, length).value_or(0.0) * length;
     const double known = std::max(asked, epsilon * shortest);
     if (!(stiffness * known > kCoarseForce * largest)) continue;
-    check.found.warnings.push_back(
-        {FaultCode::run_stiff_driver,
-         fmt::format("{}: positions are accurate to {:.2g}, and its force therefore to {:.2g} "
-                     "only, while substrate and drag exert {:.2g} at most: use a finer tolerance "
-                     "or a softer spring",
-                     driver.name, known, stiffness * known, largest),
-         "drivers." + driver.name});
+    check.warn(
+        FaultCode::run_stiff_driver,
+        fmt::format("{}: positions are accurate to {:.2g}, and its force therefore to {:.2g} "
+                    "only, while substrate and drag exert {:.2g} at most: use a finer tolerance "
+                    "or a softer spring",
+                    driver.name, known, stiffness * known, largest),
+        "drivers." + driver.name);
   }
 }
 
@@ -512,12 +516,12 @@ void warn_of_short_window(Check& check) {
   const double window = check.plan.window_to - check.plan.window_from;
   const double rounding = epsilon_of(NumberType::double_precision) * check.plan.window_to / window;
   if (rounding > kCoarseMean) {
-    check.found.warnings.push_back(
-        {FaultCode::run_window_rounding,
-         fmt::format("the window is {:.2g} of the time before its end: rounding leaves its means "
-                     "right to some {:.1g} of themselves",
-                     window / check.plan.window_to, rounding),
-         "measure"});
+    check.warn(
+        FaultCode::run_window_rounding,
+        fmt::format("the window is {:.2g} of the time before its end: rounding leaves its means "
+                    "right to some {:.1g} of themselves",
+                    window / check.plan.window_to, rounding),
+        "measure");
   }
   // The end of the window is not known yet.
   if (check.scene.run.until) return;

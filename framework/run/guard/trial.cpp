@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "framework/run/context.hpp"
+#include "framework/model/stability.hpp"
 #include "framework/run/engine.hpp"
 #include "framework/run/guard/start_checks.hpp"
 
@@ -23,11 +23,14 @@ Trial try_out(const std::shared_ptr<const Scene>& scene, double seconds, Instruc
   RunOptions options;
   options.instruction_set = set;
   Engine engine(scene, options);
-  if (engine.thrown()) throw *engine.thrown();
+  RunContext& context = engine.context();
+  const RunOutcome& outcome = context.outcome;
+  if (outcome.thrown) throw *outcome.thrown;
 
   Trial trial;
   trial.layout = engine.layout();
-  trial.stable_step = dt > 0.0 ? engine.stable_step() : std::numeric_limits<double>::infinity();
+  trial.stable_step = dt > 0.0 ? stable_step_of(context.model, context.scheme)
+                               : std::numeric_limits<double>::infinity();
   trial.step_is_stable = is_stable(std::min(dt, run.duration), trial.stable_step);
   if (!trial.step_is_stable) return trial;
 
@@ -40,19 +43,19 @@ Trial try_out(const std::shared_ptr<const Scene>& scene, double seconds, Instruc
     engine.advance(next);
     next = std::min(2 * next, kMostBetweenLooks);
   }
-  if (engine.thrown()) throw *engine.thrown();
+  if (outcome.thrown) throw *outcome.thrown;
   trial.seconds = elapsed();
   trial.time = engine.time();
-  if (const auto& failure = engine.context().outcome.failure) trial.failure = failure->code;
+  if (outcome.failure) trial.failure = outcome.failure->code;
   trial.finished = engine.done() && !trial.failure;
-  trial.evaluations = engine.model().system().evaluations;
+  trial.evaluations = context.model.system().evaluations;
   trial.steps = engine.steps();
   return trial;
 }
 
 std::optional<RunLayout> layout_of(const std::shared_ptr<const Scene>& scene) {
-  const Engine engine(scene, options_to_bind());
-  if (engine.thrown() || engine.failed()) return std::nullopt;
+  Engine engine(scene, options_to_bind());
+  if (engine.context().outcome.failure) return std::nullopt;
   return engine.layout();
 }
 

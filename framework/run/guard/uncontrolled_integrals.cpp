@@ -21,20 +21,20 @@ constexpr double kUlpsOfRates = 1e3;
 constexpr double kUlpsOfIntegrals = 64.0;
 /// Part of the largest rate that the scheme's own polynomial may be off at a node of the
 /// quadrature: two quadratures of what neither of them resolves agree by chance now and then.
-constexpr double kResolved = 0.1;
+constexpr double kPolynomialErrorPart = 0.1;
 /// A difference that is as small, and does not fall by this factor as the step is halved, is the
 /// rounding of a force: a difference of quadratures of order 5 falls by 32. The next step may be so
 /// much longer that steps do not dwindle by what falls by chance.
 constexpr double kLargestRounding = 1e-6;
-constexpr double kLeastFall = 8.0;
-constexpr double kLongerPastRounding = 4.0;
+constexpr double kLeastFallByHalving = 8.0;
+constexpr double kGrowthPastRounding = 4.0;
 /// Steps over a jump of a rate end here: the jump adds this part of the tolerance to a mean over
 /// the run.
 constexpr double kPartAtJump = 1e-2;
 /// The step after one that differs by less, in tolerances, may be twice as long: of order 5.
-constexpr double kEasily = 1.0 / 64.0;
+constexpr double kErrorThatAllowsDoubling = 1.0 / 64.0;
 /// A plugin's scheme need not say how fine it is.
-constexpr double kUsualTolerance = 1e-9;
+constexpr double kUndeclaredTolerance = 1e-9;
 
 /// Whether a body has a coordinate that is integrated, or all of its axes are.
 bool is_free(const Model::Body& body, int dimension, bool along_all_axes) {
@@ -73,8 +73,8 @@ UncontrolledIntegrals::UncontrolledIntegrals(RunContext& run) : run_(run) {
   const SystemView<double>& view = run.model.system().view;
   epsilon_ = epsilon_of(run.scene->run.number_type);
   const double length = tolerance_scales(view).length;
-  tolerance_ =
-      std::max(tolerance_of(run.scene->run.integrator, length).value_or(kUsualTolerance), epsilon_);
+  tolerance_ = std::max(
+      tolerance_of(run.scene->run.integrator, length).value_or(kUndeclaredTolerance), epsilon_);
   start_.assign(rates_.size(), 0.0);
   sum_.assign(rates_.size(), 0.0);
   largest_.assign(rates_.size(), 0.0);
@@ -137,15 +137,15 @@ bool UncontrolledIntegrals::accept(const DoubleDouble& begin, double h) {
   run_.model.system().evaluations += kGaussNodes;
   const double before = std::exchange(last_relative_, 0.0);
   if (found.in_tolerances <= 1.0) {
-    const double next = found.in_tolerances < kEasily ? 2.0 * h : h;
+    const double next = found.in_tolerances < kErrorThatAllowsDoubling ? 2.0 * h : h;
     // A step that something else has cut short does not show that a longer one would be wrong.
     if (next > *longest_ || h >= *longest_) *longest_ = next;
     return true;
   }
-  const bool is_rounding =
-      found.relative < kLargestRounding && kLeastFall * found.relative > before && before > 0.0;
+  const bool is_rounding = found.relative < kLargestRounding &&
+                           kLeastFallByHalving * found.relative > before && before > 0.0;
   if (is_rounding || !(h > kPartAtJump * tolerance_ * run_.plan.duration)) {
-    *longest_ = kLongerPastRounding * h;
+    *longest_ = kGrowthPastRounding * h;
     return true;
   }
   run_.go_back();
@@ -190,7 +190,8 @@ UncontrolledIntegrals::Difference UncontrolledIntegrals::difference(const Double
       worst.relative = std::max(worst.relative, found / size);
     };
     include(by, rounding, h * largest_[k], tolerance_);
-    if (off_[k] > kResolved * largest_[k]) include(off_[k], rounding / h, largest_[k], kResolved);
+    if (off_[k] > kPolynomialErrorPart * largest_[k])
+      include(off_[k], rounding / h, largest_[k], kPolynomialErrorPart);
   }
   return worst;
 }

@@ -11,7 +11,7 @@ namespace tomlin {
 namespace {
 
 /// Works that are known to a part of this are said to be known well.
-constexpr double kWell = 1e-4;
+constexpr double kLargestRoundingPart = 1e-4;
 
 double steady_speed_of(const Model::Driver& driver) {
   return driver.drive->steady ? speed_of(*driver.drive) : 0.0;
@@ -70,7 +70,7 @@ std::vector<double> along_with_drivers(const Model& model) {
 std::optional<Warning> doubt_of_rounding(double rounding, double work, double tolerance) {
   if (work == 0.0) return std::nullopt;
   const double part = rounding / std::abs(work);
-  if (!(part > std::max(kWell, tolerance))) return std::nullopt;
+  if (!(part > std::max(kLargestRoundingPart, tolerance))) return std::nullopt;
   return Warning{FaultCode::run_work_rounding,
                  fmt::format("rounding makes up a part of {:.2g} of the drivers' work: so slow a "
                              "motion dissipates less than double precision carries beside the "

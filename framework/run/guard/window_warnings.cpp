@@ -16,14 +16,14 @@ constexpr double kShortestSlide = 1e-2;
 /// this window differ by as much.
 constexpr double kPartOfPeriod = 1e-3;
 /// Part of the driver's displacement by which the pulled body may be ahead or behind.
-constexpr double kLag = 0.1;
+constexpr double kLagInDriverWays = 0.1;
 /// In periods: a window that begins before a slip and ends after one is no better known.
 constexpr double kLagInPeriods = 1.0;
 /// Largest lag as a part of the driver's displacement, where no force has a period: between slips
 /// of unknown length a body that follows its driver may be behind by much of a window.
 constexpr double kLagWithoutPeriod = 0.5;
 /// Slips that a mean is taken of.
-constexpr std::uint64_t kFewSlips = 3;
+constexpr std::uint64_t kFewestSlips = 3;
 
 /// Times in messages, to what a reader would type.
 std::string digits(double time) { return fmt::format("{:.6g}", time); }
@@ -35,15 +35,11 @@ std::string key_of(const DriverWindow& window) { return "drivers." + window.driv
 DriverWindow driver_window(const Model& model, std::size_t driver, double from, double to) {
   const std::string& name = model.drivers()[driver].name;
   const Drive& drive = *model.drivers()[driver].drive;
-  const bool reverses =
-      std::any_of(model.forces().begin(), model.forces().end(), [&](const Model::Force& force) {
-        return force.name == name && force.control->waits_for() != nullptr;
-      });
   DriverWindow window;
   window.driver = name;
   window.from = from;
   window.to = to;
-  window.steady = drags(drive) && !reverses;
+  window.steady = drags(drive) && !reverses(model, model.drivers()[driver]);
   for (const SceneForce& force : model.scene().forces) {
     if (force.name != name || !force.active) continue;
     window.from = std::max(from, force.active->from);
@@ -108,7 +104,7 @@ std::optional<Warning> doubt_after(const DriverWindow& w, double moved,
   const double distance = w.speed * (w.to - w.from);
   if (distance < kShortestSlide * w.period) return {};
   const double lag = distance - moved;
-  const double part_allowed = w.period > 0.0 ? kLag : kLagWithoutPeriod;
+  const double part_allowed = w.period > 0.0 ? kLagInDriverWays : kLagWithoutPeriod;
   if (std::abs(lag) > part_allowed * distance && std::abs(lag) > kLagInPeriods * w.period) {
     return Warning{
         FaultCode::run_window_not_steady,
@@ -119,7 +115,7 @@ std::optional<Warning> doubt_after(const DriverWindow& w, double moved,
                     at_end ? "let the run last longer and " : "", digits(w.to)),
         key_of(w)};
   }
-  if (w.period > 0.0 && slips && whole_run > 0 && *slips < kFewSlips) {
+  if (w.period > 0.0 && slips && whole_run > 0 && *slips < kFewestSlips) {
     const double each = *slips > 0 ? (w.to - w.from) / static_cast<double>(*slips)
                                    : std::max(w.to - w.from, w.period / w.speed);
     const std::string count = *slips == 0   ? "no slip"
@@ -130,7 +126,7 @@ std::optional<Warning> doubt_after(const DriverWindow& w, double moved,
         fmt::format("{} of {} {} within the window, too few for a mean: a window of {} would have "
                     "{}",
                     count, w.driver, *slips < 2 ? "begins" : "begin",
-                    digits(static_cast<double>(kFewSlips) * each), kFewSlips),
+                    digits(static_cast<double>(kFewestSlips) * each), kFewestSlips),
         key_of(w)};
   }
   return {};

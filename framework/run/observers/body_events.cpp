@@ -23,7 +23,7 @@ double hermite(double theta, double h, double y0, double slope0, double y1, doub
   return y0 + theta * (change + rest * bend);
 }
 
-class BodyEvents : public RunObserver {
+class BodyEvents : public RunObserver, public SignalObserver, public StateReader {
  public:
   explicit BodyEvents(const ObserverParts& parts) : parts_(parts), model_(parts.run.model) {
     for (std::size_t b = 0; b < model_.bodies().size(); ++b) {
@@ -38,14 +38,12 @@ class BodyEvents : public RunObserver {
     emit_ = [this](const Event& event) { parts_.events.record(event, name_); };
   }
   bool any() const { return !watches_.empty(); }
-  ObserverNeeds needs() const override {
-    return {.signals = true, .each_step = true, .readings = true};
-  }
+  ObserverFacets facets() override { return {.at_steps = this, .reader = this}; }
 
   void declare(StateLayout& layout) const override {
-    declare_watches(layout, "events.bodies", watches_);
+    declare_all(layout, "events.bodies", watches_);
   }
-  void attach(RunState& state) override { attach_watches(state, "events.bodies", watches_); }
+  void attach(RunState& state) override { attach_all(state, "events.bodies", watches_); }
   void start() override {
     for (BodyWatch& watch : watches_) watch.start();
   }

@@ -49,9 +49,7 @@ class EnergyLedger : public RunObserver {
         .kinetic = kinetic_,
         .stored = std::max(std::abs(at_end), std::abs(at_end - terms.stored)),
         .numerical = terms.numerical()};
-    if (auto doubt = doubt_of_balance(whole, false, run)) {
-      run.outcome.warnings.push_back(*std::move(doubt));
-    }
+    run.outcome.warn(doubt_of_balance(whole, false, run));
   }
 
   void results(ResultTable& table, const double*) const override {

@@ -34,12 +34,13 @@ struct FoundEquilibrium {
 
 /// The equilibria of a quasistatic run: ties, where nothing but rounding decides which one follows,
 /// and the equilibrium that it ends in.
-class Equilibrium : public RunObserver {
+class Equilibrium : public RunObserver, public PathObserver {
  public:
   explicit Equilibrium(const ObserverParts& parts) : parts_(parts) {
     parts.events.expect(EventKind::tie);
   }
 
+  ObserverFacets facets() override { return {.on_path = this}; }
   void declare(StateLayout& layout) const override { layout.add_reals("events.tie", 2); }
   void attach(RunState& state) override { first_tie_ = state.reals("events.tie"); }
   void at_equilibrium() override;

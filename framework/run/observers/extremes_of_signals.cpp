@@ -22,11 +22,11 @@ const ResultQuantity kPeakToPeakForce{"peak_to_peak_force",
 const ResultQuantity kMaxSpeed{"max_speed", dimension::velocity, Shape::number, Scope::window,
                                "largest speed of the centre; null where it slips in no time"};
 
-class SignalExtremes : public RunObserver {
+class SignalExtremes : public RunObserver, public SignalObserver, public PathObserver {
  public:
   explicit SignalExtremes(const ObserverParts& parts) : parts_(parts) {}
 
-  ObserverNeeds needs() const override { return {.signals = true}; }
+  ObserverFacets facets() override { return {.at_blocks = this, .on_path = this}; }
   void declare(StateLayout& layout) const override {
     Extremes::declare(layout, parts_.signals.count());
   }

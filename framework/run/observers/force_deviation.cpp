@@ -13,7 +13,7 @@ const ResultQuantity kForceDeviation{"force_deviation", dimension::force, Shape:
                                      "standard deviation of the force over the window; where "
                                      "[measure] observables asks for it"};
 
-class ForceDeviation : public RunObserver {
+class ForceDeviation : public RunObserver, public NodeObserver {
  public:
   explicit ForceDeviation(const ObserverParts& parts) : parts_(parts) {
     for (const Model::Driver& driver : parts.signals.drivers()) {
@@ -24,7 +24,7 @@ class ForceDeviation : public RunObserver {
   }
   bool any() const { return !wanted_.empty(); }
 
-  ObserverNeeds needs() const override { return {.nodes = true}; }
+  ObserverFacets facets() override { return {.at_nodes = this}; }
   void declare(StateLayout& layout) const override { layout.add_reals(kField, count()); }
   void attach(RunState& state) override { numbers_ = state.reals(kField); }
   void next_window() override { std::fill_n(numbers_, count(), 0.0); }

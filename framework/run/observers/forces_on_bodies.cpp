@@ -20,7 +20,7 @@ const ResultQuantity kMinOnBody{"min_force", dimension::force, Shape::vector, Sc
 const ResultQuantity kFinalOnBody{"final_force", dimension::force, Shape::vector, Scope::end,
                                   "force on all of the body at the end"};
 
-class ForcesOnBodies : public RunObserver {
+class ForcesOnBodies : public RunObserver, public NodeObserver {
  public:
   explicit ForcesOnBodies(const ObserverParts& parts)
       : parts_(parts), forces_(parts), count_(forces_.names().size() * parts.axes()) {
@@ -32,7 +32,7 @@ class ForcesOnBodies : public RunObserver {
   }
   bool any() const { return count_ > 0; }
 
-  ObserverNeeds needs() const override { return {.nodes = over_window_}; }
+  ObserverFacets facets() override { return {.at_nodes = over_window_ ? this : nullptr}; }
   void declare(StateLayout& layout) const override {
     layout.add_reals("forces_on_bodies", kNumbers * count_);
   }

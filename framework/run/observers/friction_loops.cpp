@@ -40,12 +40,12 @@ const ResultQuantity kLoops{"loops", dimension::none, Shape::count, Scope::windo
 const ResultQuantity* const kMeans[] = {&kTrace, &kRetrace, &kHalfDifference, &kLoopArea};
 constexpr std::size_t kMeansOfLoop = std::size(kMeans);
 
-class FrictionLoops : public RunObserver {
+class FrictionLoops : public RunObserver, public ErrorEstimator {
  public:
   explicit FrictionLoops(const ObserverParts& parts) : parts_(parts) {
     const std::vector<Model::Driver>& drivers = parts.signals.drivers();
     for (std::size_t k = 0; k < drivers.size(); ++k) {
-      if (!drags(*drivers[k].drive) || !reverses(drivers[k])) continue;
+      if (!drags(*drivers[k].drive) || !reverses(parts.run.model, drivers[k])) continue;
       loops_.push_back({.driver = k});
       if (!has_thermostat(*parts.run.scene)) continue;
       for (const ResultQuantity* mean : kMeans) {
@@ -56,13 +56,13 @@ class FrictionLoops : public RunObserver {
     scratch_.assign(BlockedSeries::kBlocks, 0.0);
   }
   bool any() const { return !loops_.empty(); }
+  ObserverFacets facets() override { return {.errors = this}; }
 
   void declare(StateLayout& layout) const override {
     layout.add_reals("friction_loops", loops_.size() * kReals);
     layout.add_integers("friction_loops", loops_.size() * kIntegers);
     if (series_.empty()) return;
-    layout.add_reals("friction_loops.series", series_.size() * BlockedSeries::kReals);
-    layout.add_integers("friction_loops.series", series_.size() * BlockedSeries::kIntegers);
+    declare_all(layout, "friction_loops.series", series_);
   }
   void attach(RunState& state) override {
     double* reals = state.reals("friction_loops");
@@ -72,12 +72,7 @@ class FrictionLoops : public RunObserver {
       loop.counts = std::exchange(integers, integers + kIntegers);
     }
     if (series_.empty()) return;
-    reals = state.reals("friction_loops.series");
-    integers = state.integers("friction_loops.series");
-    for (BlockedSeries& one : series_) {
-      one.attach(std::exchange(reals, reals + BlockedSeries::kReals),
-                 std::exchange(integers, integers + BlockedSeries::kIntegers));
-    }
+    attach_all(state, "friction_loops.series", series_);
   }
   void next_window() override {
     for (const Reversing& loop : loops_) {
@@ -94,11 +89,9 @@ class FrictionLoops : public RunObserver {
   }
 
   std::vector<std::string> estimated() const override { return paths_; }
-  bool estimates(std::string_view path) const override {
-    return std::find(paths_.begin(), paths_.end(), path) != paths_.end();
-  }
   std::optional<double> error_so_far(std::string_view path) const override {
     const auto found = std::find(paths_.begin(), paths_.end(), path);
+    if (found == paths_.end()) return std::nullopt;
     return error_of(static_cast<std::size_t>(found - paths_.begin()));
   }
 
@@ -154,13 +147,6 @@ class FrictionLoops : public RunObserver {
     double* numbers = nullptr;
     std::int64_t* counts = nullptr;
   };
-
-  bool reverses(const Model::Driver& driver) const {
-    const std::vector<Model::Force>& forces = parts_.run.model.forces();
-    return std::any_of(forces.begin(), forces.end(), [&](const Model::Force& force) {
-      return force.name == driver.name && force.control->waits_for() != nullptr;
-    });
-  }
 
   static std::optional<double> mean_force(const double* strokes) {
     if (!(strokes[kTime] > 0.0)) return {};

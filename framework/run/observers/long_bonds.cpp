@@ -7,11 +7,12 @@
 namespace tomlin::observers {
 namespace {
 
-class LongBonds : public RunObserver {
+class LongBonds : public RunObserver, public BatchObserver {
  public:
   explicit LongBonds(const ObserverParts& parts)
       : parts_(parts), rates_(parts.run.model.system().view.rates + 2 * kGroup) {}
 
+  ObserverFacets facets() override { return {.at_batch_ends = this}; }
   void declare(StateLayout& layout) const override {
     layout.add_integers("long_bonds", parts_.run.model.forces().size());
   }
@@ -23,14 +24,12 @@ class LongBonds : public RunObserver {
   }
 
   /// Particles of rigid bodies are placed first.
-  void look_now_and_then() override {
+  void batch_ended() override {
     Model& model = parts_.run.model;
     const SystemView<double>& view = model.system().view;
-    const double* position = view.position;
-    const double* velocity = view.velocity;
-    const double* integrals = view.integrals;
-    model.evaluate_at(parts_.run.clock.now(), position, velocity, integrals, rates_.data());
-    look(stage_of(view, position, velocity, integrals, rates_.data(), 0.0));
+    model.evaluate_at(parts_.run.clock.now(), view.position, view.velocity, view.integrals,
+                      rates_.data());
+    look(stage_of(view, view.position, view.velocity, view.integrals, rates_.data(), 0.0));
   }
 
   void stopped(const RunMoment&) override {

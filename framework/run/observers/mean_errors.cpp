@@ -33,7 +33,7 @@ struct Series {
   std::size_t index = 0;  ///< body * dimension + axis, without terms
 };
 
-class MeanErrors : public RunObserver {
+class MeanErrors : public RunObserver, public BlockObserver, public ErrorEstimator {
  public:
   explicit MeanErrors(const ObserverParts& parts) : parts_(parts) {
     find_series();
@@ -42,7 +42,7 @@ class MeanErrors : public RunObserver {
     means_.assign(kMostParts, 0.0);
   }
 
-  ObserverNeeds needs() const override { return {.blocks = true}; }
+  ObserverFacets facets() override { return {.at_block_ends = this, .errors = this}; }
 
   void declare(StateLayout& layout) const override {
     layout.add_reals("mean_errors.sums", (kMostParts + 1) * series_.size());
@@ -93,14 +93,16 @@ class MeanErrors : public RunObserver {
     }
   }
 
-  bool estimates(std::string_view path) const override { return find(path) != series_.end(); }
   std::vector<std::string> estimated() const override {
     std::vector<std::string> paths;
     for (const Series& one : series_) paths.push_back(one.path);
     return paths;
   }
   std::optional<double> error_so_far(std::string_view path) const override {
-    return blocked_mean_of(static_cast<std::size_t>(find(path) - series_.begin())).error;
+    const auto found = std::find_if(series_.begin(), series_.end(),
+                                    [path](const Series& one) { return one.path == path; });
+    if (found == series_.end()) return std::nullopt;
+    return blocked_mean_of(static_cast<std::size_t>(found - series_.begin())).error;
   }
 
  private:
@@ -207,11 +209,6 @@ class MeanErrors : public RunObserver {
     }
     std::copy(at.begin(), at.end(), sums_ + count * width);
     *count_ = static_cast<std::int64_t>(count + 1);
-  }
-
-  std::vector<Series>::const_iterator find(std::string_view path) const {
-    return std::find_if(series_.begin(), series_.end(),
-                        [path](const Series& one) { return one.path == path; });
   }
 
   BlockedMean blocked_mean_of(std::size_t k) const {

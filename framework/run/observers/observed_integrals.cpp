@@ -26,12 +26,14 @@ struct Accumulator {
   double* state = nullptr;
 };
 
-class ObservedIntegrals : public RunObserver {
+class ObservedIntegrals : public RunObserver, public NodeObserver, public StepObserver {
  public:
   explicit ObservedIntegrals(const ObserverParts& parts);
   bool any() const { return !accumulators_.empty(); }
 
-  ObserverNeeds needs() const override { return {.nodes = integrands_ > 0, .ends = steps_}; }
+  ObserverFacets facets() override {
+    return {.at_nodes = integrands_ > 0 ? this : nullptr, .at_ends = steps_ ? this : nullptr};
+  }
   void declare(StateLayout& layout) const override;
   void attach(RunState& state) override;
   void node(const RunMoment& moment, double weight) override;

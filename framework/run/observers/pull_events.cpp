@@ -83,12 +83,18 @@ class WorkOfSteps {
   double* work_ = nullptr;
 };
 
-class PullEvents : public RunObserver {
+class PullEvents : public RunObserver,
+                   public SignalObserver,
+                   public PathObserver,
+                   public ErrorEstimator {
  public:
   explicit PullEvents(const ObserverParts& parts);
 
-  ObserverNeeds needs() const override {
-    return {.signals = !drivers_.empty(), .each_step = !watches_.empty()};
+  ObserverFacets facets() override {
+    return {.at_steps = watches_.empty() ? nullptr : this,
+            .at_blocks = watches_.empty() && !drivers_.empty() ? this : nullptr,
+            .on_path = this,
+            .errors = this};
   }
   void declare(StateLayout& layout) const override;
   void attach(RunState& state) override;
@@ -105,7 +111,6 @@ class PullEvents : public RunObserver {
   void look_at_end(const RunMoment& end) override;
   void finish(const RunMoment& end) override;
   std::vector<std::string> estimated() const override { return slips_.estimated(); }
-  bool estimates(std::string_view path) const override { return slips_.estimates(path); }
   std::optional<double> error_so_far(std::string_view path) const override {
     return slips_.error_so_far(path);
   }
@@ -201,7 +206,7 @@ void PullEvents::declare(StateLayout& layout) const {
   static_force_.declare(layout);
   slips_.declare(layout);
   if (follows_path()) layout.add_reals("events.peaks", drivers_.size());
-  declare_watches(layout, "events.drivers", watches_);
+  declare_all(layout, "events.drivers", watches_);
   WorkOfSteps::declare(layout);
 }
 
@@ -209,7 +214,7 @@ void PullEvents::attach(RunState& state) {
   static_force_.attach(state);
   slips_.attach(state);
   if (follows_path()) peaks_ = state.reals("events.peaks");
-  attach_watches(state, "events.drivers", watches_);
+  attach_all(state, "events.drivers", watches_);
   work_.attach(state);
   if (parts_.run.plan.dt > 0.0 || follows_path()) return;
   for (DriverWatch& watch : watches_) watch.set_long_steps();
@@ -367,7 +372,7 @@ void PullEvents::path_slip(const PathSlip& slip) {
   forget_peaks();
   emit_(event);
   for (DriverWatch& watch : watches_) {
-    watch.restart();
+    watch.start();
     watch.look_for_stiffness(event.time, force_along(watch.driver(), slip.after));
   }
 }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -74,14 +73,113 @@ struct RunMoment {
   const double* signals = nullptr;  ///< null at nodes
 };
 
-/// The calls that an observer needs between the edges of the window.
-struct ObserverNeeds {
-  bool signals = false;    ///< steps() and span()
-  bool each_step = false;  ///< steps() after every step, not after a block of them
-  bool readings = false;   ///< read()
-  bool nodes = false;      ///< node(): states within every step
-  bool ends = false;       ///< stepped(): the states after every step
-  bool blocks = false;     ///< block_ended()
+/// An observer of signals, which it sees at the starts of steps of the grid and along long steps.
+class SignalObserver {
+ public:
+  /// The model is placed, and the sink has begun; also of a run that is resumed.
+  virtual void placed() {}
+  virtual void steps(const SignalBlock& block) = 0;
+  /// One of the first three points of a long step: all observers see it before the next one, so
+  /// that events come in the order of time.
+  virtual void look_at_point(const SignalSpan& span, std::size_t k) { (void)span, (void)k; }
+  /// Signals along a long step, after its points.
+  virtual void span(const SignalSpan& span) { (void)span; }
+  /// The run has come to its end: one more moment, before any RunObserver::finish().
+  virtual void look_at_end(const RunMoment& end) { (void)end; }
+
+ protected:
+  ~SignalObserver() = default;
+};
+
+/// An observer of the states that signals are read off.
+class StateReader {
+ public:
+  /// The state at one of the four points of the step that is looked at next, the first being its
+  /// start. Velocities are null where steps are short.
+  virtual void read(std::size_t point, const double* position, const double* velocity) = 0;
+  /// A flexible body was looked at.
+  virtual void turned(std::size_t body, double turns) = 0;
+
+ protected:
+  ~StateReader() = default;
+};
+
+/// An observer of states within every step.
+class NodeObserver {
+ public:
+  /// A node of the quadrature over the part of a step that lies in the window; weights are times
+  /// and add up to the window's length.
+  virtual void node(const RunMoment& moment, double weight) = 0;
+
+ protected:
+  ~NodeObserver() = default;
+};
+
+/// An observer of the states between steps.
+class StepObserver {
+ public:
+  /// The start of the run, and the end of each step.
+  virtual void stepped(const RunMoment& moment) = 0;
+
+ protected:
+  ~StepObserver() = default;
+};
+
+/// An observer of every kBlock steps of the grid.
+class BlockObserver {
+ public:
+  virtual void block_ended() = 0;
+  /// Ends of blocks before this time may be left out, but for the last of them.
+  virtual double idle_until() const = 0;
+
+ protected:
+  ~BlockObserver() = default;
+};
+
+/// An observer of every thousand steps; the same ones in a run that is resumed.
+class BatchObserver {
+ public:
+  virtual void batch_ended() = 0;
+
+ protected:
+  ~BatchObserver() = default;
+};
+
+/// An observer of a quasistatic run.
+class PathObserver {
+ public:
+  /// The run has come to an equilibrium: at its start, and after one has ended.
+  virtual void at_equilibrium() {}
+  virtual void path_slip(const PathSlip& slip) { (void)slip; }
+
+ protected:
+  ~PathObserver() = default;
+};
+
+/// An observer that estimates statistical errors of results.
+class ErrorEstimator {
+ public:
+  /// Paths of these results.
+  virtual std::vector<std::string> estimated() const = 0;
+  /// The error of one in the window so far; nothing where it is unknown, or the result another
+  /// one's. Without allocation, but for the first.
+  virtual std::optional<double> error_so_far(std::string_view path) const = 0;
+
+ protected:
+  ~ErrorEstimator() = default;
+};
+
+/// The further interfaces that an observer has; null where it has not.
+struct ObserverFacets {
+  SignalObserver* at_steps = nullptr;   ///< it sees signals after every step of the grid,
+  SignalObserver* at_blocks = nullptr;  ///< or after blocks of them
+  StateReader* reader = nullptr;
+  NodeObserver* at_nodes = nullptr;
+  StepObserver* at_ends = nullptr;
+  BlockObserver* at_block_ends = nullptr;
+  BatchObserver* at_batch_ends = nullptr;
+  PathObserver* on_path = nullptr;
+  ErrorEstimator* errors = nullptr;
 };
 
 /// Hooks are called in the order below; none need be overridden. What has to survive a checkpoint
@@ -90,68 +188,24 @@ class RunObserver {
  public:
   virtual ~RunObserver() = default;
 
-  virtual ObserverNeeds needs() const { return {}; }
+  virtual ObserverFacets facets() { return {}; }
   virtual void declare(StateLayout& layout) const { (void)layout; }
   virtual void attach(RunState& state) { (void)state; }
   /// Numbers of a run that begins; the model is not yet placed.
   virtual void start() {}
-  /// The model is placed, and the sink has begun; also of a run that is resumed.
-  virtual void placed() {}
 
-  /// The state at one of the four points of the step that is looked at next, the first being its
-  /// start. Velocities are null where steps are short.
-  virtual void read(std::size_t point, const double* position, const double* velocity) {
-    (void)point, (void)position, (void)velocity;
-  }
-  /// Signals at the starts of steps of the grid.
-  virtual void steps(const SignalBlock& block) { (void)block; }
-  /// One of the first three points of a long step: all observers see it before the next one, so
-  /// that events come in the order of time.
-  virtual void look_at_point(const SignalSpan& span, std::size_t k) { (void)span, (void)k; }
-  /// Signals along a long step, after its points.
-  virtual void span(const SignalSpan& span) { (void)span; }
-  /// A node of the quadrature over the part of a step that lies in the window; weights are times
-  /// and add up to the window's length.
-  virtual void node(const RunMoment& moment, double weight) { (void)moment, (void)weight; }
-  /// The start of the run, and the end of each step.
-  virtual void stepped(const RunMoment& moment) { (void)moment; }
-  /// Every kBlock steps of the grid.
-  virtual void block_ended() {}
-  /// Ends of blocks before this time may be left out, but for the last of them.
-  virtual double idle_until() const { return -std::numeric_limits<double>::infinity(); }
   /// An edge of the window.
   virtual void edge(const RunMoment& moment) { (void)moment; }
   virtual void next_window() {}
-  /// A flexible body was looked at.
-  virtual void turned(std::size_t body, double turns) { (void)body, (void)turns; }
-  /// A quasistatic run has come to an equilibrium: at its start, and after one has ended.
-  virtual void at_equilibrium() {}
-  virtual void path_slip(const PathSlip& slip) { (void)slip; }
   /// A force has changed at an event.
   virtual void force_changed(std::string_view force) { (void)force; }
   /// A force has become active, or has ceased to be.
   virtual void force_switched(std::string_view force) { (void)force; }
-  /// Every thousand steps; the same ones in a run that is resumed.
-  virtual void look_now_and_then() {}
 
   /// The run stops; it may have failed or been interrupted.
   virtual void stopped(const RunMoment& end) { (void)end; }
-  /// The run has come to its end: one more moment, and then what is going on there counts as far as
-  /// it got.
-  virtual void look_at_end(const RunMoment& end) { (void)end; }
+  /// The run has come to its end: what is going on there counts as far as it got.
   virtual void finish(const RunMoment& end) { (void)end; }
-  /// Paths of results whose statistical errors it estimates; whether one of them is; and its error
-  /// in the window so far, nothing where it is unknown. Without allocation, but for the first.
-  virtual std::vector<std::string> estimated() const { return {}; }
-  virtual bool estimates(std::string_view path) const {
-    (void)path;
-    return false;
-  }
-  virtual std::optional<double> error_so_far(std::string_view path) const {
-    (void)path;
-    return std::nullopt;
-  }
-
   /// Now, with these rates.
   virtual void results(ResultTable& table, const double* rates) const { (void)table, (void)rates; }
 

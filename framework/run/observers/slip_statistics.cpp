@@ -70,8 +70,7 @@ void SlipStatistics::declare(StateLayout& layout) const {
   layout.add_reals("slips.last", drivers());
   layout.add_integers("slips.counts", drivers() * (1 + kQuantities));
   if (series_.empty()) return;
-  layout.add_reals("slips.series", series_.size() * BlockedSeries::kReals);
-  layout.add_integers("slips.series", series_.size() * BlockedSeries::kIntegers);
+  declare_all(layout, "slips.series", series_);
 }
 
 void SlipStatistics::attach(RunState& state) {
@@ -79,13 +78,7 @@ void SlipStatistics::attach(RunState& state) {
   last_ = state.reals("slips.last");
   counts_ = state.integers("slips.counts");
   if (series_.empty()) return;
-  double* reals = state.reals("slips.series");
-  std::int64_t* integers = state.integers("slips.series");
-  for (BlockedSeries& one : series_) {
-    one.attach(reals, integers);
-    reals += BlockedSeries::kReals;
-    integers += BlockedSeries::kIntegers;
-  }
+  attach_all(state, "slips.series", series_);
 }
 
 void SlipStatistics::start() {
@@ -150,12 +143,9 @@ void SlipStatistics::add_errors(ResultTable& table) const {
   }
 }
 
-bool SlipStatistics::estimates(std::string_view path) const {
-  return std::find(paths_.begin(), paths_.end(), path) != paths_.end();
-}
-
 std::optional<double> SlipStatistics::error_so_far(std::string_view path) const {
   const auto found = std::find(paths_.begin(), paths_.end(), path);
+  if (found == paths_.end()) return std::nullopt;
   return error_of(static_cast<std::size_t>(found - paths_.begin()));
 }
 

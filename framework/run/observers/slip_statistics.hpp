@@ -29,10 +29,9 @@ class SlipStatistics {
   void add(std::size_t driver, const Event& slip, double stiffness);
   /// Adds the rows of a driver; without numbers unless its slips are looked for.
   void add_rows(ResultGroup& group, std::size_t driver, bool looked_for) const;
-  /// Adds the errors of all drivers; the functions are those of RunObserver.
+  /// Adds the errors of all drivers; the functions are those of ErrorEstimator.
   void add_errors(ResultTable& table) const;
   const std::vector<std::string>& estimated() const { return paths_; }
-  bool estimates(std::string_view path) const;
   std::optional<double> error_so_far(std::string_view path) const;
 
   static std::vector<const ResultQuantity*> rows();

@@ -40,9 +40,7 @@ class WindowCheck : public RunObserver {
     }
     const auto all = static_cast<std::uint64_t>(events.count(EventKind::slip));
     const bool at_end = window.to().time >= run.plan.duration;
-    if (auto doubt = doubt_after(seen, moved, slips, all, at_end)) {
-      run.outcome.warnings.push_back(*std::move(doubt));
-    }
+    run.outcome.warn(doubt_after(seen, moved, slips, all, at_end));
   }
 
   ObserverParts parts_;

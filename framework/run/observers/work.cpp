@@ -35,9 +35,7 @@ class Work : public RunObserver {
     }
     const ErrorControl* const control = run.integrator->capabilities().error_control;
     const double rounding = control ? control->rounding_of_works() : 0.0;
-    if (auto doubt = doubt_of_rounding(rounding, work, run.tolerance())) {
-      run.outcome.warnings.push_back(*std::move(doubt));
-    }
+    run.outcome.warn(doubt_of_rounding(rounding, work, run.tolerance()));
   }
 
   void results(ResultTable& table, const double*) const override {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -47,6 +48,11 @@ bool is_wanted(const ObserverKind& kind, const Selection& selection) {
            return std::any_of(rows.quantities.begin(), rows.quantities.end(),
                               [&](const ResultQuantity* row) { return wants(row->key); });
          });
+}
+
+template <class Facet>
+void add_facet(Facet* facet, std::vector<Facet*>& all) {
+  if (facet != nullptr) all.push_back(facet);
 }
 
 }  // namespace
@@ -104,13 +110,19 @@ Observation::Observation(RunContext& run)
     }
   }
   for (const auto& observer : observers_) {
-    const ObserverNeeds needs = observer->needs();
-    if (needs.signals) (needs.each_step ? at_steps_ : at_blocks_).push_back(observer.get());
-    if (needs.readings) readers_.push_back(observer.get());
-    if (needs.nodes) at_nodes_.push_back(observer.get());
-    if (needs.ends) at_ends_.push_back(observer.get());
-    if (needs.blocks) at_block_ends_.push_back(observer.get());
+    const ObserverFacets facets = observer->facets();
+    add_facet(facets.at_steps, at_steps_);
+    add_facet(facets.at_blocks, at_blocks_);
+    add_facet(facets.reader, readers_);
+    add_facet(facets.at_nodes, at_nodes_);
+    add_facet(facets.at_ends, at_ends_);
+    add_facet(facets.at_block_ends, at_block_ends_);
+    add_facet(facets.at_batch_ends, at_batch_ends_);
+    add_facet(facets.on_path, on_path_);
+    add_facet(facets.errors, estimators_);
   }
+  at_signals_ = at_steps_;
+  at_signals_.insert(at_signals_.end(), at_blocks_.begin(), at_blocks_.end());
   block_.width = signals_.count();
   block_times_.assign(kBlock, 0.0);
   block_signals_.assign(kBlock * signals_.count(), 0.0);
@@ -148,7 +160,7 @@ void Observation::start() {
 }
 
 void Observation::placed() {
-  for (const auto& observer : observers_) observer->placed();
+  for (SignalObserver* observer : at_signals_) observer->placed();
 }
 
 void Observation::look_at_start() {
@@ -164,7 +176,7 @@ void Observation::begin_step(double time) {
   if (!watches()) return;
   const SystemView<double>& view = run_.model.system().view;
   const double* velocity = run_.plan.dt == 0.0 ? view.velocity : nullptr;
-  for (RunObserver* observer : readers_) observer->read(0, view.position, velocity);
+  for (StateReader* reader : readers_) reader->read(0, view.position, velocity);
   block_times_[block_.count] = time;
   point_position_ = view.position[0];
   point_velocity_ = view.velocity[0];
@@ -180,11 +192,11 @@ void Observation::end_step() {
     step.velocities = &point_velocity_;
     step.rates = run_.integrator->first_rates();
   }
-  for (RunObserver* observer : at_steps_) observer->steps(step);
+  for (SignalObserver* observer : at_steps_) observer->steps(step);
 }
 
 void Observation::end_block() {
-  for (RunObserver* observer : at_blocks_) observer->steps(block_);
+  for (SignalObserver* observer : at_blocks_) observer->steps(block_);
   block_.count = 0;
 }
 
@@ -207,7 +219,7 @@ void Observation::point_block(std::int64_t first_step, std::size_t count,
   block.positions = starts.positions;
   block.velocities = starts.velocities;
   block.rates = starts.rates;
-  for (RunObserver* observer : at_steps_) observer->steps(block);
+  for (SignalObserver* observer : at_steps_) observer->steps(block);
   end_block();
 }
 
@@ -240,17 +252,15 @@ void Observation::look_between(double from, double to) {
     end_block();
     return;
   }
-  for (RunObserver* observer : readers_) observer->read(3, view.position, view.velocity);
+  for (StateReader* reader : readers_) reader->read(3, view.position, view.velocity);
   show_span();
 }
 
 void Observation::show_span() {
   for (std::size_t k = 0; k < 3; ++k) {
-    for (RunObserver* observer : at_steps_) observer->look_at_point(span_, k);
-    for (RunObserver* observer : at_blocks_) observer->look_at_point(span_, k);
+    for (SignalObserver* observer : at_signals_) observer->look_at_point(span_, k);
   }
-  for (RunObserver* observer : at_steps_) observer->span(span_);
-  for (RunObserver* observer : at_blocks_) observer->span(span_);
+  for (SignalObserver* observer : at_signals_) observer->span(span_);
 }
 
 /// Steps are long, and forces fall steeply where an equilibrium is about to end: looks are at
@@ -266,7 +276,7 @@ void Observation::look_along_path(double from, double to) {
       signals_.write_forces(within_.rates.data(), span_.at[k].data());
       signals_.write_speeds(within_.velocity.data(), span_.times[k], span_.at[k].data());
       if (k == 3) break;
-      for (RunObserver* observer : readers_) observer->read(k, within_.position.data(), nullptr);
+      for (StateReader* reader : readers_) reader->read(k, within_.position.data(), nullptr);
     }
     span_.from = span_.times[0];
     span_.to = span_.times[3];
@@ -275,7 +285,7 @@ void Observation::look_along_path(double from, double to) {
 }
 
 void Observation::at_equilibrium() {
-  for (const auto& observer : observers_) observer->at_equilibrium();
+  for (PathObserver* observer : on_path_) observer->at_equilibrium();
 }
 
 /// The signals before it are those at the end of the step; speeds after it are of no meaning.
@@ -285,7 +295,7 @@ void Observation::path_slip(double energy_lost) {
                          within_.rates.data());
   signals_.write_forces(within_.rates.data(), within_.signals.data());
   const PathSlip slip{energy_lost, span_.at[3].data(), within_.signals.data()};
-  for (const auto& observer : observers_) observer->path_slip(slip);
+  for (PathObserver* observer : on_path_) observer->path_slip(slip);
 }
 
 void Observation::force_changed(const std::string& force) {
@@ -303,22 +313,23 @@ void Observation::force_switched(const std::string& force) {
 
 void Observation::look_at_rotations() {
   rotations_.look([this](std::size_t body, double turns) {
-    for (const auto& observer : observers_) observer->turned(body, turns);
+    for (StateReader* reader : readers_) reader->turned(body, turns);
   });
 }
 
 void Observation::look_at_block_end() {
-  for (RunObserver* observer : at_block_ends_) observer->block_ended();
+  for (BlockObserver* observer : at_block_ends_) observer->block_ended();
 }
 
 double Observation::idle_until() const {
   double time = std::numeric_limits<double>::infinity();
-  for (const RunObserver* observer : at_block_ends_) time = std::min(time, observer->idle_until());
+  for (const BlockObserver* observer : at_block_ends_)
+    time = std::min(time, observer->idle_until());
   return time;
 }
 
-void Observation::look_now_and_then() {
-  for (const auto& observer : observers_) observer->look_now_and_then();
+void Observation::look_at_batch_end() {
+  for (BatchObserver* observer : at_batch_ends_) observer->batch_ended();
 }
 
 bool Observation::serve(double first_time, const DoubleDouble& from, const DoubleDouble& to,
@@ -370,7 +381,7 @@ void Observation::integrate(const DoubleDouble& from, const DoubleDouble& to, do
   const double part = part_at(window_.to().time) - begin;
   if (!(part > 0.0)) return;
   at_nodes(from, to, next_since, {begin, part}, [this](const RunMoment& moment, double weight) {
-    for (RunObserver* observer : at_nodes_) observer->node(moment, weight);
+    for (NodeObserver* observer : at_nodes_) observer->node(moment, weight);
   });
 }
 
@@ -379,7 +390,7 @@ void Observation::look_at_end_of_step() {
   const SystemView<double>& view = run_.model.system().view;
   const RunMoment moment =
       moment_at(run_.clock.now(), view.position, view.velocity, view.integrals);
-  for (RunObserver* observer : at_ends_) observer->stepped(moment);
+  for (StepObserver* observer : at_ends_) observer->stepped(moment);
 }
 
 RunMoment Observation::moment_at(const DoubleDouble& time, const double* position,
@@ -443,22 +454,22 @@ void Observation::stopped(double* rates) {
 
 void Observation::finish(double* rates) {
   const RunMoment end = end_of_run(rates);
-  for (const auto& observer : observers_) observer->look_at_end(end);
+  for (SignalObserver* observer : at_signals_) observer->look_at_end(end);
   for (const auto& observer : observers_) observer->finish(end);
 }
 
 std::vector<std::string> Observation::estimated() const {
   std::vector<std::string> paths;
-  for (const auto& observer : observers_) {
-    const std::vector<std::string> more = observer->estimated();
+  for (const ErrorEstimator* estimator : estimators_) {
+    const std::vector<std::string> more = estimator->estimated();
     paths.insert(paths.end(), more.begin(), more.end());
   }
   return paths;
 }
 
 std::optional<double> Observation::error_so_far(std::string_view path) const {
-  for (const auto& observer : observers_) {
-    if (observer->estimates(path)) return observer->error_so_far(path);
+  for (const ErrorEstimator* estimator : estimators_) {
+    if (const std::optional<double> error = estimator->error_so_far(path)) return error;
   }
   return std::nullopt;
 }

@@ -54,10 +54,10 @@ class Observation {
   /// A force has become active, or has ceased to be.
   void force_switched(const std::string& force);
   void look_at_rotations();
-  void look_now_and_then();
+  void look_at_batch_end();
   /// Every kBlock steps of the grid.
   void look_at_block_end();
-  /// Ends of blocks before this time may be left out, see RunObserver; infinite: all of them.
+  /// Ends of blocks before this time may be left out, see BlockObserver; infinite: all of them.
   double idle_until() const;
 
   /// The next sample or edge of the window.
@@ -72,7 +72,7 @@ class Observation {
   bool serve(double first_time, const DoubleDouble& from, const DoubleDouble& to,
              double next_since);
   /// Signals of every step are looked at.
-  bool watches() const { return !at_steps_.empty() || !at_blocks_.empty(); }
+  bool watches() const { return !at_signals_.empty(); }
   /// Every step is looked into.
   bool looks_within_steps() const { return !at_nodes_.empty() || !at_ends_.empty(); }
   /// A part of a step, in fractions of it.
@@ -140,12 +140,17 @@ class Observation {
   EventLog events_;
   std::vector<std::unique_ptr<RunObserver>> observers_;
   observers::Samples samples_;
-  std::vector<RunObserver*> at_steps_;   ///< of them, that look at signals after every step
-  std::vector<RunObserver*> at_blocks_;  ///< and after blocks
-  std::vector<RunObserver*> readers_;
-  std::vector<RunObserver*> at_nodes_;
-  std::vector<RunObserver*> at_ends_;
-  std::vector<RunObserver*> at_block_ends_;
+  // Facets of them.
+  std::vector<SignalObserver*> at_steps_;
+  std::vector<SignalObserver*> at_blocks_;
+  std::vector<SignalObserver*> at_signals_;  ///< those at steps, then those at blocks
+  std::vector<StateReader*> readers_;
+  std::vector<NodeObserver*> at_nodes_;
+  std::vector<StepObserver*> at_ends_;
+  std::vector<BlockObserver*> at_block_ends_;
+  std::vector<BatchObserver*> at_batch_ends_;
+  std::vector<PathObserver*> on_path_;
+  std::vector<ErrorEstimator*> estimators_;
   SignalBlock block_;
   std::vector<double> block_times_;
   std::vector<double> block_signals_;

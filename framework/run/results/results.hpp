@@ -17,7 +17,8 @@ std::span<const ResultFamily> result_families();
 /// of observers.
 const ResultQuantity* quantity_at(std::string_view path);
 
-/// "time", "window" and "performance": what a run took, in the terms of the other groups.
+/// "time", "window" and "performance": the course and cost of a run, in the terms of the other
+/// groups.
 std::vector<ResultGroup> groups_of_run(const RunResult& result);
 
 }  // namespace tomlin

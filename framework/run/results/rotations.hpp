@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "framework/model/model.hpp"
+#include "framework/run/steps/run_plan.hpp"
 
 namespace tomlin {
 
@@ -48,16 +49,15 @@ class Rotations {
 template <class Turned>
 void Rotations::look(Turned turned) {
   /// A flexible body that would turn more than this between looks is looked at after every step.
-  constexpr double kMuchTurning = 0.05;
-  constexpr std::int64_t kSteps = 16;  // the blocks of the run
-  const std::int64_t looked = *steps_between_looks_;
-  *steps_between_looks_ = kSteps;
+  constexpr double kMostTurnsBetweenLooks = 0.05;
+  const std::int64_t steps = *steps_between_looks_;
+  *steps_between_looks_ = kBlock;
   for (std::size_t b = 0; b < model_.bodies().size(); ++b) {
     if (!counts_turns_of(model_.bodies()[b])) continue;
     const double change = look_at(b);
     turned(b, last_[b]);
-    const double a_step = std::abs(change) / static_cast<double>(looked);
-    if (a_step * kSteps > kMuchTurning) *steps_between_looks_ = 1;
+    const double a_step = std::abs(change) / static_cast<double>(steps);
+    if (a_step * kBlock > kMostTurnsBetweenLooks) *steps_between_looks_ = 1;
   }
 }
 

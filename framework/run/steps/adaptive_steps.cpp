@@ -1,6 +1,6 @@
-#include "framework/run/steps/adaptive_steps.hpp"
-
 #include <fmt/format.h>
+
+#include "framework/run/steps/stepping.hpp"
 
 namespace tomlin {
 namespace {
@@ -48,7 +48,7 @@ void AdaptiveSteps::count_steps(std::int64_t steps, const DoubleDouble& time) {
 /// Looked at every quarter of a million steps: a run that will be out of steps long before its end
 /// need not go on for hours.
 bool AdaptiveSteps::foresees_too_many_steps() {
-  constexpr double kSurely = 10.0;  // paces change
+  constexpr double kPaceFactor = 10.0;  // paces change
   const std::int64_t taken = run_.clock.steps();
   const IntegratorRecord& scheme = run_.scheme;
   if (scheme.most_steps == nullptr || taken == 0 || taken % kStepsBetweenLooksAhead != 0)
@@ -56,7 +56,7 @@ bool AdaptiveSteps::foresees_too_many_steps() {
   const void* description = run_.scene->run.integrator.description.get();
   const auto most = static_cast<double>(scheme.most_steps(description));
   const double foreseen = static_cast<double>(taken) * (run_.plan.duration / run_.clock.time());
-  if (foreseen <= kSurely * most) return false;
+  if (foreseen <= kPaceFactor * most) return false;
   run_.fail(StepFault::too_many_steps, 0.0);
   run_.outcome.failure->what = fmt::format(
       "at its present step size the run would take {:.2g} steps, and most_steps allows {:g}",

@@ -1,7 +1,7 @@
-#include "framework/run/steps/fixed_grid.hpp"
-
 #include <algorithm>
 #include <cmath>
+
+#include "framework/run/steps/stepping.hpp"
 
 namespace tomlin {
 

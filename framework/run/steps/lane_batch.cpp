@@ -4,8 +4,6 @@
 #include <limits>
 #include <utility>
 
-#include "framework/run/context.hpp"
-
 namespace tomlin {
 namespace {
 
@@ -41,11 +39,11 @@ std::string why_not_in_lanes(const Model& model) {
 std::size_t LaneBatch::good_width(Engine& like) {
   // Latencies of a small scene are hidden by other vectors; numbers of a large one fill the cache.
   constexpr std::size_t kMostVectors = 8;
-  constexpr std::size_t kNumbers = 16;
+  constexpr std::size_t kNumbersInFlight = 16;
   const Model& model = like.model();
   const std::size_t numbers = model.coordinate_count() + model.assembly().mapped_size() / kGroup;
-  return kGroup *
-         std::clamp<std::size_t>(kNumbers / std::max<std::size_t>(numbers, 1), 1, kMostVectors);
+  return kGroup * std::clamp<std::size_t>(kNumbersInFlight / std::max<std::size_t>(numbers, 1), 1,
+                                          kMostVectors);
 }
 
 LaneBatch::LaneBatch(Engine& like, std::size_t most)
@@ -84,12 +82,13 @@ bool LaneBatch::fits(Engine& run) const {
   return other.plan.dt == dt_ && &other.scheme == &one.scheme && system_.fits(run.model());
 }
 
-void LaneBatch::add(Engine& run) {
+void LaneBatch::add(Engine& engine) {
   const auto free = std::find_if(lanes_.begin(), lanes_.end(),
                                  [](const Lane& lane) { return lane.run == nullptr; });
   *free = {};
-  free->run = &run;
-  watches_steps_ = watches_steps_ || run.watches_steps();
+  free->engine = &engine;
+  free->run = &engine.in_lanes();
+  watches_steps_ = watches_steps_ || free->run->watches_steps();
   ++runs_;
 }
 
@@ -99,7 +98,8 @@ std::vector<Engine*> LaneBatch::advance() {
     for (std::size_t k = 0; k < lanes_.size(); ++k) {
       Lane& lane = lanes_[k];
       if (lane.run == nullptr || lane.left > 0 || serve(k)) continue;
-      ended.push_back(std::exchange(lane.run, nullptr));
+      ended.push_back(lane.engine);
+      lane.run = nullptr;
       --runs_;
       all_filled_ = false;
     }
@@ -115,16 +115,14 @@ std::vector<Engine*> LaneBatch::advance() {
 }
 
 /// All numbers of a run.
-void LaneBatch::put(std::size_t k, Engine& run) {
-  system_.put(k, run.model(), static_cast<std::uint64_t>(run.context().clock.steps()));
-  system_.set_time(k, run.model().anchor_time());
-  grid_[k] = static_cast<double>(run.context().clock.grid_steps());
+void LaneBatch::put(std::size_t k, RunContext& run) {
+  system_.put(k, run.model, static_cast<std::uint64_t>(run.clock.steps()));
+  system_.set_time(k, run.model.anchor_time());
+  grid_[k] = static_cast<double>(run.clock.grid_steps());
   if (adaptive_) {
-    const RunContext& context = run.context();
-    adaptive_->put(k, run.model().system(), context.scene->run.integrator.description.get(),
-                   run.state());
+    adaptive_->put(k, run.model.system(), run.scene->run.integrator.description.get(), run.state);
   } else if (FixedLanes* const lanes = integrator_->capabilities().lanes) {
-    lanes->put_lane(system_.layout(), k, run.state());
+    lanes->put_lane(system_.layout(), k, run.state);
   }
 }
 
@@ -133,11 +131,12 @@ void LaneBatch::put(std::size_t k, Engine& run) {
 bool LaneBatch::bring_back(std::size_t k) {
   Lane& lane = lanes_[k];
   if (lane.taken == 0) return false;
-  system_.get(k, lane.run->model());
+  RunContext& run = lane.run->context();
+  system_.get(k, run.model);
   if (adaptive_) {
-    adaptive_->get(k, lane.run->state());
+    adaptive_->get(k, run.state);
   } else if (FixedLanes* const lanes = integrator_->capabilities().lanes) {
-    lanes->get_lane(system_.layout(), k, lane.run->state());
+    lanes->get_lane(system_.layout(), k, run.state);
   }
   const std::int64_t taken = std::exchange(lane.taken, 0);
   steps_ += static_cast<std::uint64_t>(taken);
@@ -156,16 +155,17 @@ void LaneBatch::release() {
 /// Lets a run do what it has to do. False: it has ended.
 bool LaneBatch::serve(std::size_t k) {
   Lane& lane = lanes_[k];
+  RunContext& run = lane.run->context();
   bool same = bring_back(k);
   for (;;) {
-    if (lane.run->done()) return false;
+    if (run.outcome.done()) return false;
     if (!lane.is_alone && (lane.left = lane.run->steps_for_lanes()) > 0) {
-      lane.now = lane.run->context().clock.now();
+      lane.now = run.clock.now();
       lane.next_time = lane.run->next_time();
       if (same) {
-        system_.put_timed(k, lane.run->model());
+        system_.put_timed(k, run.model);
       } else {
-        put(k, *lane.run);
+        put(k, run);
       }
       if (may_attempt(k)) return true;
     }
@@ -182,7 +182,7 @@ void LaneBatch::fill_empty_lanes() {
                                  [](const Lane& lane) { return lane.run != nullptr; });
   for (std::size_t k = 0; k < system_.width(); ++k) {
     if (k < lanes_.size() && lanes_[k].run != nullptr) continue;
-    put(k, *some->run);
+    put(k, some->run->context());
     most_[k] = std::numeric_limits<double>::max();
   }
   all_filled_ = true;
@@ -198,8 +198,9 @@ void LaneBatch::follow_time() {
   for (std::size_t k = 0; k < lanes_.size(); ++k) {
     Lane& lane = lanes_[k];
     if (lane.run == nullptr || lane.left == 0 || lane.within_step) continue;
-    lane.run->model().anchor(adaptive_ ? lane.now : two_prod(grid_[k], dt_));
-    system_.put_timed(k, lane.run->model());
+    Model& model = lane.run->context().model;
+    model.anchor(adaptive_ ? lane.now : two_prod(grid_[k], dt_));
+    system_.put_timed(k, model);
   }
 }
 
@@ -247,8 +248,8 @@ void LaneBatch::keep_rates(std::size_t step) {
 /// Shows the steps of the block to a run; `count` of them have been taken.
 void LaneBatch::show_steps(std::size_t k, std::size_t count) {
   const std::size_t w = system_.width();
-  Engine& run = *lanes_[k].run;
-  const std::size_t apart = run.model().system().view.rates;
+  RunInLanes& run = *lanes_[k].run;
+  const std::size_t apart = run.context().model.system().view.rates;
   double* const positions = shown_.data();
   double* const velocities = positions + kBlockSteps;
   double* const rates = velocities + kBlockSteps;

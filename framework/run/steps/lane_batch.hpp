@@ -9,6 +9,7 @@
 #include "framework/core/system/scheme.hpp"
 #include "framework/model/lane_system.hpp"
 #include "framework/run/engine.hpp"
+#include "framework/run/steps/run_in_lanes.hpp"
 
 namespace tomlin {
 
@@ -30,16 +31,17 @@ class LaneBatch {
   LaneBatch(Engine& like, std::size_t most);
 
   bool fits(Engine& run) const;
-  bool is_full() const { return runs_ == lanes_.size(); }
   bool is_empty() const { return runs_ == 0; }
   std::size_t room() const { return lanes_.size() - runs_; }
+  /// Fewer runs are faster one by one: a vector of eight takes as long as about two of them.
+  static constexpr std::size_t kFewestRuns = 3;
   /// At most half the lanes are taken, and a narrower batch would have fewer; or so few runs are
   /// left that each is faster by itself.
   bool is_sparse() const {
-    return runs_ <= 2 || (2 * runs_ <= system_.width() && system_.width() > kGroup);
+    return runs_ < kFewestRuns || (2 * runs_ <= system_.width() && system_.width() > kGroup);
   }
   /// Takes a run that fits, and which outlives its part in the batch.
-  void add(Engine& run);
+  void add(Engine& engine);
   /// Gives the runs back as they are, each at the end of a step.
   void release();
   /// Until a run ends; returns those that have, which are no part of the batch any longer.
@@ -53,7 +55,8 @@ class LaneBatch {
 
  private:
   struct Lane {
-    Engine* run = nullptr;
+    Engine* engine = nullptr;
+    RunInLanes* run = nullptr;      ///< the engine's
     std::int64_t left = 0;          ///< steps until the run has something to do
     std::int64_t taken = 0;         ///< that the run does not know of
     std::uint64_t evaluations = 0;  ///< of those
@@ -67,7 +70,7 @@ class LaneBatch {
 
   bool serve(std::size_t lane);
   bool bring_back(std::size_t lane);
-  void put(std::size_t lane, Engine& run);
+  void put(std::size_t lane, RunContext& run);
   void take_blocks();
   std::int64_t take_steps();
   bool take_in_registers();

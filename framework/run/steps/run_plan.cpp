@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -15,7 +14,7 @@ namespace tomlin {
 
 namespace {
 
-/// In fewer periods of a driver than these no statistical error can be told.
+/// In fewer periods of a driver than these no statistical error is known.
 constexpr double kFewestPeriods = 2.0 * kFewestCorrelationTimes;
 
 /// How far past the end of the run a window may reach through rounding alone.
@@ -31,14 +30,11 @@ constexpr double kMostSamples = 1e12;
 
 /// A run must end, its counts stay exact, and a signal must get through between samples.
 void refuse_endless(const Scene& scene, const RunPlan& plan) {
-  const auto location = [](const std::map<std::string, SourceLocation>& locations, const char* key,
-                           const SourceLocation& table) {
-    const auto found = locations.find(key);
-    return found == locations.end() ? table : found->second;
-  };
   if (plan.dt > 0.0 && !(plan.duration / plan.dt <= kMostSteps)) {
+    const auto& locations = scene.run.integrator.locations;
+    const auto found = locations.find("dt");
     throw InputError({Fault(
-        FaultCode::run_endless, location(scene.run.integrator.locations, "dt", scene.run.location),
+        FaultCode::run_endless, found == locations.end() ? scene.run.location : found->second,
         "run.integrator.dt", fmt::format("{}", plan.dt),
         fmt::format("the run would take {:.3g} steps, {:.2g} days at the very least",
                     plan.duration / plan.dt,
@@ -47,8 +43,7 @@ void refuse_endless(const Scene& scene, const RunPlan& plan) {
   }
   if (scene.output.every && !(plan.duration / *scene.output.every <= kMostSamples)) {
     throw InputError({Fault(
-        FaultCode::output_too_large,
-        location(scene.output.locations, "every", scene.output.location), "output.every",
+        FaultCode::output_too_large, scene.output.location_of("every"), "output.every",
         fmt::format("{}", *scene.output.every),
         fmt::format("the run would leave {:.3g} samples", plan.duration / *scene.output.every),
         fmt::format("at most {:g} samples", kMostSamples))});
@@ -204,6 +199,12 @@ double pull_speed_of(const Drive& drive) {
 bool drags(const Drive& drive) { return drive.steady && speed_of(drive) > 0.0; }
 
 bool pulls(const Drive& drive) { return drags(drive) && drive.stiffness_along() > 0.0; }
+
+bool reverses(const Model& model, const Model::Driver& driver) {
+  return std::any_of(model.forces().begin(), model.forces().end(), [&](const Model::Force& force) {
+    return force.name == driver.name && force.control->waits_for() != nullptr;
+  });
+}
 
 std::optional<double> time_of_period(const Model& model, const Drive& drive) {
   if (!drags(drive)) return {};

@@ -37,6 +37,8 @@ double pull_speed_of(const Drive& drive);
 bool drags(const Drive& drive);
 /// Whether it also is a spring, whose force tells where what it pulls is.
 bool pulls(const Drive& drive);
+/// Whether it turns back where an observable passes a value.
+bool reverses(const Model& model, const Model::Driver& driver);
 /// In which a driver moves by `[measure] period`, or by the one period that forces declare along
 /// its way; nothing where there is no such period, or its velocity is not steady.
 std::optional<double> time_of_period(const Model& model, const Drive& drive);

@@ -4,9 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "framework/run/steps/adaptive_steps.hpp"
-#include "framework/run/steps/fixed_grid.hpp"
-
 namespace tomlin {
 
 StepReport Stepping::step_scheme(double since, double h, bool dense) {
@@ -69,7 +66,7 @@ bool Stepping::take(const Step& step) {
   if (next_time <= static_cast<double>(arrived)) {
     whole = observation.serve(next_time, begin, arrived, next_since);
   }
-  if (is_looked_into()) parts_.balance->look_into(run_, observation, begin, next_since);
+  if (is_looked_into()) parts_.balance->look_into(observation, begin, next_since);
   if (!end_step()) return false;
   observation.look_at_end_of_step();
   if (observation.window_has_ended() && parts_.window_ended()) {

@@ -3,7 +3,9 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <utility>
 
+#include "framework/core/system/aligned.hpp"
 #include "framework/run/context.hpp"
 #include "framework/run/events/triggers.hpp"
 #include "framework/run/guard/energy_balance.hpp"
@@ -34,7 +36,7 @@ class Stepping {
   virtual void advance(std::uint64_t most) = 0;
   /// How many steps from here on have nothing to be served between them, for a batch of runs that
   /// takes them together (lane_batch.hpp): whole blocks of kBlock. 0: the run goes on by itself.
-  virtual std::int64_t steps_for_lanes() { return 0; }
+  virtual std::int64_t steps_for_lanes() = 0;
   /// Counts steps that a batch has taken up to a time; the numbers of the state are those after.
   virtual void count_steps(std::int64_t steps, const DoubleDouble& time) = 0;
   /// The run continues from other numbers.
@@ -84,6 +86,79 @@ class Stepping {
                      double length, const DoubleDouble& arrived);
   void fire(const Triggers::Passed& passed);
   void switch_forces();
+};
+
+/// Steps of equal length. Most have nothing to be served between them: they are taken in blocks.
+class FixedGrid : public Stepping {
+ public:
+  explicit FixedGrid(StepParts parts);
+  void advance(std::uint64_t most) override;
+  std::int64_t steps_for_lanes() override;
+  void count_steps(std::int64_t steps, const DoubleDouble& time) override;
+  void state_changed() override {
+    plain_left_ = 0;
+    on_grid_ = false;
+  }
+
+ protected:
+  void look(const DoubleDouble&, const DoubleDouble&) override {
+    parts_.observation.end_step();
+    parts_.observation.end_block();
+  }
+  double anchor_next() override { return run_.since_anchor(); }
+
+ private:
+  DoubleDouble into_step();
+  void take_one(const Step& step);
+  DoubleDouble end_of_step() const;
+  std::int64_t plain_steps();
+  std::int64_t blocks_before(double time) const;
+  void take_block(std::int64_t most);
+  std::int64_t point_block(std::int64_t most, StepFault& fault);
+  void sample_within_block(std::int64_t grid, std::int64_t taken);
+  void sample_end_of_block();
+  std::int64_t plain_block(std::int64_t most, StepFault& fault);
+
+  bool on_grid_ = false;            ///< known to be between two steps of the grid
+  std::int64_t plain_left_ = 0;     ///< steps known to have nothing to serve
+  bool samples_each_step_ = false;  ///< each of them ends on a sample
+  AlignedVector<double> point_rates_;
+  AlignedVector<double> point_positions_;
+  AlignedVector<double> point_velocities_;
+  PointStarts<double> starts_;  ///< these
+};
+
+/// Steps as long as the scheme has them.
+class AdaptiveSteps : public Stepping {
+ public:
+  explicit AdaptiveSteps(StepParts parts) : Stepping(std::move(parts)) {}
+  void advance(std::uint64_t most) override;
+  std::int64_t steps_for_lanes() override;
+  void count_steps(std::int64_t steps, const DoubleDouble& time) override;
+
+ protected:
+  void look(const DoubleDouble& from, const DoubleDouble& to) override {
+    parts_.observation.look_between(static_cast<double>(from), static_cast<double>(to));
+  }
+  double anchor_next() override;
+
+ private:
+  bool foresees_too_many_steps();
+};
+
+/// Steps along a path of equilibria, each of which may end; the next one follows at once.
+class EquilibriumSteps : public AdaptiveSteps {
+ public:
+  using AdaptiveSteps::AdaptiveSteps;
+
+ protected:
+  void look(const DoubleDouble& from, const DoubleDouble& to) override {
+    parts_.observation.look_along_path(static_cast<double>(from), static_cast<double>(to));
+  }
+  bool end_step() override { return !run_.path->ends() || slip(); }
+
+ private:
+  bool slip();
 };
 
 /// For the scheme of the run.

@@ -13,18 +13,7 @@ constexpr std::size_t kFewestBlocks = 8;
 /// A series that swings back is averaged over no fewer blocks than this; a variance below this part
 /// of that of shorter blocks is no chance.
 constexpr std::size_t kFewestSwings = 16;
-constexpr double kSwing = 0.25;
-
-/// Variance of the mean, as if the numbers were independent.
-double variance_of_mean(std::span<const double> series) {
-  double mean = 0.0;
-  for (const double x : series) mean += x;
-  const auto n = static_cast<double>(series.size());
-  mean /= n;
-  double squares = 0.0;
-  for (const double x : series) squares += (x - mean) * (x - mean);
-  return squares / (n * (n - 1.0));
-}
+constexpr double kVariancePartOfSwing = 0.25;
 
 /// Means of neighbours.
 std::span<double> halved(std::span<double> blocks) {
@@ -35,6 +24,16 @@ std::span<double> halved(std::span<double> blocks) {
 }
 
 }  // namespace
+
+double variance_of_mean(std::span<const double> numbers) {
+  double mean = 0.0;
+  for (const double x : numbers) mean += x;
+  const auto n = static_cast<double>(numbers.size());
+  mean /= n;
+  double squares = 0.0;
+  for (const double x : numbers) squares += (x - mean) * (x - mean);
+  return squares / (n * (n - 1.0));
+}
 
 BlockedMean blocked_mean(std::span<const double> series) {
   std::vector<double> copy(series.begin(), series.end());
@@ -67,7 +66,7 @@ BlockedMean blocked_mean_in_place(std::span<double> blocks) {
   for (; growth <= 1.0 && blocks.size() >= 2 * kFewestSwings;) {
     blocks = halved(blocks);
     const double longer = variance_of_mean(blocks);
-    if (longer < kSwing * variance) variance = longer;
+    if (longer < kVariancePartOfSwing * variance) variance = longer;
   }
   result.correlation_times = growth > 1.0 ? n / growth : n;
   if (result.correlation_times >= kFewestCorrelationTimes) result.error = std::sqrt(variance);

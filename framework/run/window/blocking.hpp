@@ -23,6 +23,8 @@ BlockedMean blocked_mean(std::span<const double> series);
 /// Returns the same as blocked_mean() without allocation; the numbers are lost.
 BlockedMean blocked_mean_in_place(std::span<double> series);
 
+/// Variance of the mean of independent numbers, two at least.
+double variance_of_mean(std::span<const double> numbers);
 /// The standard error of the mean of independent numbers; nothing of fewer than eight, whose
 /// scatter is hardly known.
 std::optional<double> error_of_independent(std::span<const double> numbers);

@@ -8,9 +8,9 @@ namespace tomlin {
 namespace {
 
 /// Windows ahead that changes which do not shrink are taken to go on for.
-constexpr double kFarthest = 100.0;
+constexpr double kMostWindowsAhead = 100.0;
 /// Changes shrink by the same factor as before: exponentials do, but for what is under them.
-constexpr double kAsBefore = 1.05;
+constexpr double kGrowthOfFactor = 1.05;
 /// The windows looked at are the last half of all.
 constexpr std::size_t kWindowsInAll = 2 * Steadiness::kWindows;
 
@@ -78,10 +78,10 @@ std::optional<double> Steadiness::distance(double slowest, double ahead) const {
   const double before = ratio(change[1], change[2]);
   const double last = std::max(change[0], change[1] * std::min(1.0, before));
   const double factor = ratio(last, change[1]);
-  double outlook = std::min(kFarthest, ahead / window);
+  double outlook = std::min(kMostWindowsAhead, ahead / window);
   if (moved[0] * moved[1] < 0.0) {
     outlook = std::min(outlook, std::max(1.0, slowest / window));
-  } else if (factor < 1.0 && factor <= kAsBefore * before) {
+  } else if (factor < 1.0 && factor <= kGrowthOfFactor * before) {
     outlook = std::min(outlook, std::max(factor / (1.0 - factor), slowest / window));
   }
   return std::max(highest - lowest, last * outlook);

@@ -23,13 +23,13 @@ constexpr std::size_t kFewestTimes = 1 << 8;
 constexpr std::size_t kMostTimes = 1 << 14;
 /// From the start of a scene to where forces are looked at once more, in largest moves (a period,
 /// half a bond): formulas are often zero where a scene starts.
-constexpr double kAside = 0.23;
+constexpr double kShiftInLargestMoves = 0.23;
 /// Changes below this part of a value are rounding.
-constexpr double kNoChange = 1e-12;
+constexpr double kRoundingOfValue = 1e-12;
 /// A value that comes back through its middle as often swings; else it goes from one to another,
 /// and has arrived within this part of its range.
 constexpr std::size_t kFewestCrossings = 3;
-constexpr double kNearItsEnd = 0.05;
+constexpr double kArrivedPart = 0.05;
 
 /// One force at two states near the start: on all particles, in their own coordinates.
 class TimedForce {
@@ -57,9 +57,10 @@ class TimedForce {
       if (view.inverse_mass[i] <= 0.0) continue;
       double& x = states_[1].position[i];
       const double length = view.largest_move[i];
-      x += kAside * (length < kNoBound ? length : std::abs(x) + 1.0 / scales.position[i]);
+      x += kShiftInLargestMoves *
+           (length < kNoBound ? length : std::abs(x) + 1.0 / scales.position[i]);
       // Forces in proportion to a velocity need one.
-      velocity_[i] += along[i] != 0.0 ? along[i] : kAside / scales.velocity[i];
+      velocity_[i] += along[i] != 0.0 ? along[i] : kShiftInLargestMoves / scales.velocity[i];
     }
     for (State& state : states_) {
       // Bodies that move as one place their particles in an evaluation.
@@ -78,10 +79,8 @@ class TimedForce {
     for (State& state : states_) {
       std::fill(force_on_.begin(), force_on_.end(), 0.0);
       std::fill(mapped_force_.begin(), mapped_force_.end(), 0.0);
-      Stage<double> stage =
-          stage_of(view, static_cast<const double*>(state.position.data()),
-                   static_cast<const double*>(velocity_.data()),
-                   static_cast<const double*>(view.integrals), rates_.data(), 0.0);
+      Stage<double> stage = stage_of(view, state.position.data(), velocity_.data(), view.integrals,
+                                     rates_.data(), 0.0);
       stage.force = force_on_.data();
       stage.mapped_position = state.mapped.data();
       stage.mapped_force = mapped_force_.data();
@@ -178,14 +177,14 @@ double slowest_cycle(const TimeDependence& of, double duration) {
       low = std::min(low, value(k));
       high = std::max(high, value(k));
     }
-    if (!(high - low > kNoChange * std::max(std::abs(low), std::abs(high)))) continue;
+    if (!(high - low > kRoundingOfValue * std::max(std::abs(low), std::abs(high)))) continue;
     const double middle = 0.5 * (low + high);
     std::size_t crossings = 0;
     std::size_t first = 0;
     std::size_t last = 0;
     std::size_t differs = 0;  // from its last value
     for (std::size_t k = 1; k <= times; ++k) {
-      if (std::abs(value(k) - value(times)) > kNearItsEnd * (high - low)) differs = k;
+      if (std::abs(value(k) - value(times)) > kArrivedPart * (high - low)) differs = k;
       if ((value(k) > middle) == (value(k - 1) > middle)) continue;
       if (++crossings == 1) first = k;
       last = k;

@@ -9,8 +9,8 @@ namespace tomlin {
 namespace {
 
 /// Looks along a period, and times over the run for energies that change.
-constexpr int kLooks = 64;
-constexpr int kTimes = 8;
+constexpr int kPointsOfPeriod = 64;
+constexpr int kTimesOfRun = 8;
 /// Differences of the energy below this part of it are rounding.
 constexpr double kRoundingOfEnergy = 1e-10;
 
@@ -46,10 +46,10 @@ std::optional<WellOfBody> well_of_body(Model& model, std::size_t body, const Mod
 
   double deepest = 0.0;
   std::optional<double> distance;
-  const double step = period / kLooks;
-  std::vector<double> energy(kLooks + 2);  // but for the spring's
-  for (int k = 0; k < kTimes; ++k) {
-    const double later = (duration - static_cast<double>(since)) * k / kTimes;
+  const double step = period / kPointsOfPeriod;
+  std::vector<double> energy(kPointsOfPeriod + 2);  // but for the spring's
+  for (int k = 0; k < kTimesOfRun; ++k) {
+    const double later = (duration - static_cast<double>(since)) * k / kTimesOfRun;
     const double pull = stretch + driver.drive->velocity[static_cast<std::size_t>(axis)] * later;
     double size = 0.0;
     for (std::size_t i = 0; i < energy.size(); ++i) {
@@ -63,7 +63,7 @@ std::optional<WellOfBody> well_of_body(Model& model, std::size_t body, const Mod
     }
     std::copy(starts.begin(), starts.end(), first);
     // A steady force tilts it.
-    const double tilt = (energy[kLooks] - energy[0]) / kLooks;
+    const double tilt = (energy[kPointsOfPeriod] - energy[0]) / kPointsOfPeriod;
     for (std::size_t i = 0; i < energy.size(); ++i) energy[i] -= tilt * static_cast<double>(i);
     const auto [low, high] = std::minmax_element(energy.begin(), energy.end());
     const double depth = *high - *low;

@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "framework/model/stability.hpp"
 #include "framework/run/engine.hpp"
 #include "framework/run/results/observables.hpp"
 #include "framework/run/results/results.hpp"
@@ -198,7 +199,8 @@ std::vector<Companion> companions_of(const std::shared_ptr<const Scene>& scene) 
     }
     return companions;
   }
-  const double stable = kLongestOfStable * Engine(scene, options_to_bind()).stable_step();
+  Engine engine(scene, options_to_bind());
+  const double stable = kLongestOfStable * stable_step_of(engine.model(), scheme);
   double factor = 1.0;
   for (const double share : shares_of_steps(scheme.order)) {
     factor *= 2.0;

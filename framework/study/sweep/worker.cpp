@@ -13,8 +13,6 @@ namespace {
 
 /// Runs of other structures that wait: enough to make batches where structures alternate.
 constexpr std::size_t kMostWaiting = 128;
-/// A vector of eight takes as long as about two runs by themselves.
-constexpr std::size_t kFewestInLanes = 3;
 
 }  // namespace
 
@@ -38,8 +36,8 @@ bool SweepWorker::fetch() {
   const std::size_t point = points.front();
   try {
     auto run = std::make_unique<PointRun>(plan_, point, options_.stop, options_.checkpoints);
-    const Engine* const engine = options_.most_at_once > 1 ? run->engine() : nullptr;
-    if (engine != nullptr && engine->why_not_in_lanes().empty()) {
+    Engine* const engine = options_.most_at_once > 1 ? run->engine() : nullptr;
+    if (engine != nullptr && engine->in_lanes().why_not().empty()) {
       waiting_.push_back(std::move(run));
     } else {
       keep(*run, run->run());
@@ -76,7 +74,7 @@ void SweepWorker::run_first() {
   Engine& like = *first->engine();
   const std::size_t most = std::min(LaneBatch::good_width(like), options_.most_at_once);
   Runs runs = gather(LaneBatch(like, 1), most - 1);
-  if (runs.size() + 1 < kFewestInLanes) {
+  if (runs.size() + 1 < LaneBatch::kFewestRuns) {
     keep(*first, first->run());
     for (const auto& run : runs) keep(*run, run->run());
     return;

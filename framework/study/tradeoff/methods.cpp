@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "framework/model/stability.hpp"
 #include "framework/run/engine.hpp"
 #include "framework/scene/natural_units.hpp"
 #include "framework/scene/text.hpp"
@@ -113,8 +114,9 @@ void try_to_bind(const Variants& variants, Method& method) {
   try {
     const auto scene =
         variants.with(method.at(fixed ? variants.scene().run.duration : kAnyTolerance));
-    const Engine engine(scene, options_to_bind());
-    if (fixed && engine.stable_step() > 0.0) method.stable_step = engine.stable_step();
+    Engine engine(scene, options_to_bind());
+    const double stable = stable_step_of(engine.model(), engine.context().scheme);
+    if (fixed && stable > 0.0) method.stable_step = stable;
   } catch (const InputError& error) {
     method.refused = condensed(error);
   }

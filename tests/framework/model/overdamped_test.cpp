@@ -158,7 +158,7 @@ TEST(Overdamped, TheStableStepIsTheRelaxations) {
   const double k = 2.3, c = 0.9;
   const double limit = 2.785293563 * c / k;
   Engine engine(scene_of(spring(k, c, 0.6, 0.0, 2.0, fixed_step(0.01))), {});
-  EXPECT_NEAR(engine.stable_step() / limit, 1.0, 1e-6);
+  EXPECT_NEAR(stable_step_of(engine) / limit, 1.0, 1e-6);
   EXPECT_EQ(run_text(spring(k, c, 0.6, 0.0, 40.0, fixed_step(0.99 * limit))).status,
             RunStatus::finished);
   EXPECT_EQ(run_text(spring(k, c, 0.6, 0.0, 40.0, fixed_step(1.01 * limit))).status,
@@ -274,7 +274,7 @@ TEST(OverdampedRigid, TheStableStepKnowsOfFrictionBesideTheCentre) {
   };
   const double limit = 2.785293563 * c / k;
   Engine engine(scene_of(dumbbell(0.01)), {});
-  EXPECT_NEAR(engine.stable_step() / limit, 1.0, 1e-6);
+  EXPECT_NEAR(stable_step_of(engine) / limit, 1.0, 1e-6);
   EXPECT_EQ(run_text(dumbbell(0.98 * limit)).status, RunStatus::finished);
   EXPECT_EQ(run_text(dumbbell(1.02 * limit)).steps, 0u) << "refused before it is taken";
 }

@@ -513,7 +513,7 @@ TEST(Rotor, StartsWhereAnotherHasEnded) {
   Engine first(scene_of(top.text(7.0, adaptive(1e-10))), {});
   first.run();
   const std::vector<Vector> there = positions(first);
-  const FinalState end = first.final_state();
+  const FinalState end = final_state_of(first);
   Top other = top;
   std::swap(other.particles[0].mass, other.particles[1].mass);
   for (const Top& next : {top, other}) {
@@ -527,7 +527,7 @@ TEST(Rotor, StartsWhereAnotherHasEnded) {
       EXPECT_NEAR(((here[i] - here[0]) - (there[i] - there[0])).norm(), 0.0, 1e-8);
     }
     const auto spin_of = [](Engine& engine) {
-      const FinalState::Rotor rotor = engine.final_state().rotors.front();
+      const FinalState::Rotor rotor = final_state_of(engine).rotors.front();
       return Vector(rotor.spin[0], rotor.spin[1], rotor.spin[2]);
     };
     EXPECT_NEAR((spin_of(second) - spin_of(first)).norm(), 0.0, 1e-8);

@@ -18,7 +18,10 @@ constexpr double kRealLimit = 2.785293563405282;
 // Bisection stops where |R| exceeds 1 by 1e-9, and |R| has slope of order one there.
 constexpr double kBisection = 1e-8;
 
-double limit_of(const std::string& text) { return Engine(scene_of(text), {}).stable_step(); }
+double limit_of(const std::string& text) {
+  Engine engine(scene_of(text), {});
+  return stable_step_of(engine);
+}
 
 std::string oscillator(double stiffness, double damping, double dt, double steps) {
   std::string text =

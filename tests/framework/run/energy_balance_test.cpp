@@ -93,7 +93,7 @@ TEST(EnergyBalance, OfASampleIsThatOfTheLedger) {
     Engine engine(scene, {});
     const RunResult watched = engine.run();
     ASSERT_EQ(watched.status, RunStatus::finished);
-    const std::optional<SampledWork> found = engine.sampled_work();
+    const std::optional<SampledWork> found = engine.context().outcome.sampled_work;
     ASSERT_TRUE(found);
     const ResultGroup exact = run_text(with_ledger(one.text)).group("energy");
     EXPECT_NEAR(found->numerical, *exact["numerical_work"],
@@ -179,8 +179,9 @@ TEST(EnergyBalance, OfLongStepsWithSplitFrictionCloses) {
         fixed(type, 1.0) + "\n";
     Engine engine(scene_of(text), {});
     EXPECT_FALSE(warned(engine.run())) << type;
-    ASSERT_TRUE(engine.sampled_work()) << type;
-    EXPECT_NEAR(engine.sampled_work()->numerical, 0.0, kRounding * engine.sampled_work()->heat);
+    ASSERT_TRUE(engine.context().outcome.sampled_work) << type;
+    EXPECT_NEAR(engine.context().outcome.sampled_work->numerical, 0.0,
+                kRounding * engine.context().outcome.sampled_work->heat);
   }
 }
 
@@ -304,9 +305,11 @@ TEST(EnergyBalance, IsResumedWithinABlock) {
       Engine second(scene, {});
       second.resume(first.state().to_bytes());
       second.run();
-      ASSERT_TRUE(second.sampled_work() && whole.sampled_work());
-      EXPECT_EQ(second.sampled_work()->numerical, whole.sampled_work()->numerical);
-      EXPECT_EQ(second.sampled_work()->heat, whole.sampled_work()->heat);
+      ASSERT_TRUE(second.context().outcome.sampled_work && whole.context().outcome.sampled_work);
+      EXPECT_EQ(second.context().outcome.sampled_work->numerical,
+                whole.context().outcome.sampled_work->numerical);
+      EXPECT_EQ(second.context().outcome.sampled_work->heat,
+                whole.context().outcome.sampled_work->heat);
     }
   }
 }

@@ -303,14 +303,14 @@ std::vector<Ended> in_lanes(const LaneCase& one, int n, std::size_t lanes,
   for (int k = 0; k < n; ++k) {
     engines.push_back(
         std::make_unique<Engine>(parse_scene(one.text(k), "test.toml", registry), options));
-    EXPECT_EQ(engines.back()->why_not_in_lanes(), "") << one.name;
+    EXPECT_EQ(engines.back()->in_lanes().why_not(), "") << one.name;
   }
   std::vector<Ended> ended(static_cast<std::size_t>(n));
   std::uint64_t steps = 0;
   LaneBatch batch(*engines.front(), lanes);
   std::size_t next = 0;
   while (next < engines.size() || !batch.is_empty()) {
-    for (; next < engines.size() && !batch.is_full(); ++next) {
+    for (; next < engines.size() && batch.room() > 0; ++next) {
       EXPECT_TRUE(batch.fits(*engines[next])) << one.name << ", replica " << next;
       batch.add(*engines[next]);
     }
@@ -597,8 +597,8 @@ TEST(LaneBatch, RepeatsHaveTheMeanAndTheErrorOfRunsOneByOne) {
   text.insert(text.find("[run]\n") + 6, "repeats = 12\n");
   RunOptions mean;
   mean.observables = {"driver.mean_force.x"};
-  ASSERT_EQ(Engine(scene_of(text), mean).why_not_in_lanes(), "");
-  ASSERT_NE(Engine(scene_of(text), {}).why_not_in_lanes(), "");
+  ASSERT_EQ(Engine(scene_of(text), mean).in_lanes().why_not(), "");
+  ASSERT_NE(Engine(scene_of(text), {}).in_lanes().why_not(), "");
   const RunResult together = run(scene_of(text), mean);
   const RunResult apart = run(scene_of(text), {});
   EXPECT_EQ(observable(together, "driver.mean_force.x"), observable(apart, "driver.mean_force.x"));
@@ -758,7 +758,7 @@ TEST(LaneBatch, WhatARunTakesByItselfHasAReason) {
   const auto reason = [](const std::string& text, const std::vector<std::string>& observables) {
     RunOptions options;
     options.observables = observables;
-    return Engine(scene_of(text), options).why_not_in_lanes();
+    return Engine(scene_of(text), options).in_lanes().why_not();
   };
   const std::vector<std::string> mean = {"driver.mean_force.x"};
   EXPECT_EQ(reason(TipScene{}.text(), mean), "");

@@ -81,7 +81,7 @@ struct SeenRun {
 
 SeenRun seen_after(Engine& engine, std::uint64_t steps) {
   engine.advance(steps);
-  EXPECT_FALSE(engine.failed());
+  EXPECT_FALSE(engine.context().outcome.failure);
   EXPECT_EQ(engine.steps() % steps, 0u);
   SeenRun seen;
   Model& model = engine.model();
