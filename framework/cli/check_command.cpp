@@ -15,8 +15,7 @@
 #include "framework/cli/diagnostics.hpp"
 #include "framework/cli/exit_status.hpp"
 #include "framework/cli/options.hpp"
-#include "framework/cli/plugins.hpp"
-#include "framework/cli/print_result.hpp"
+#include "framework/cli/printable.hpp"
 #include "framework/cli/sections.hpp"
 #include "framework/core/text/fault.hpp"
 #include "framework/core/text/warning.hpp"
@@ -30,7 +29,7 @@ namespace {
 struct CheckArguments : SceneOptions {
   bool json = false;
   bool verbose = false;    ///< what holds, too
-  std::uint64_t seed = 1;  ///< of the random states that properties are looked at
+  std::uint64_t seed = 1;  ///< of the random states at which properties are verified
 };
 
 constexpr const char* kCheckFooter = R"(
@@ -131,7 +130,7 @@ Json json_of(const PropertyPoint& point) {
               {"due", number(point.expected)}};
 }
 
-/// One row of the table: states looked at, the worst error and what is allowed there.
+/// One row of the table: number of states, the worst error and what is allowed there.
 std::string row_of(const std::string& states, const std::string& error, const std::string& allowed,
                    const std::string& meaning) {
   return fmt::format("{:>6}  {:>8}  {:>8}  {}", states, error, allowed, meaning);
@@ -261,16 +260,13 @@ void add_options(CLI::App& parser, CheckArguments& arguments) {
       ->capture_default_str();
 }
 
-void check(CheckArguments& arguments) { read_settings(arguments); }
-
 int check_scene(const CheckArguments& arguments) {
   try {
-    const SceneDocument document(arguments.scene);
-    const Registry registry = registry_with_plugins(arguments.plugins, {&document, 1});
-    const auto scene = document.read(registry, arguments.settings);
-    const Report report = report_on(scene, arguments.seed);
-    const int status = print_result(arguments.json ? json_text(json_of(report))
-                                                   : text_of(*scene, report, arguments.verbose));
+    const OpenedScene opened(arguments);
+    const Report report = report_on(opened.scene, arguments.seed);
+    const int status =
+        print_result(arguments.json ? json_text(json_of(report))
+                                    : text_of(*opened.scene, report, arguments.verbose));
     return report.valid() ? status : kExitFailed;
   } catch (const InputError& error) {
     if (!arguments.json) throw;
@@ -289,7 +285,7 @@ std::string check_json(const std::shared_ptr<const Scene>& scene, std::uint64_t 
 
 CommandRecord check_command() {
   return {"check", "validate a scene and verify the declared properties of its forces",
-          kCheckFooter, declared<CheckArguments>(add_options, check, check_scene)};
+          kCheckFooter, declared<CheckArguments>(add_options, nullptr, check_scene)};
 }
 
 }  // namespace tomlin

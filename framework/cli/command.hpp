@@ -3,9 +3,12 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include <CLI/CLI.hpp>
+
+#include "framework/cli/options.hpp"
 
 /// The commands of the program. Each stands in a file of its own, NAME_command.cpp: its arguments,
 /// its options and their help, and what it does. commands.cpp lists them.
@@ -28,14 +31,19 @@ struct CommandRecord {
   std::function<DeclaredCommand(CLI::App&)> declare;
 };
 
-/// For `declare`: a command whose options are read into `Arguments`.
+/// For `declare`: a command whose options are read into `Arguments`. `check` may be null; the
+/// values of --set are read after it.
 template <class Arguments>
 auto declared(void (*add_options)(CLI::App&, Arguments&), void (*check)(Arguments&),
               int (*run)(const Arguments&)) {
   return [=](CLI::App& parser) {
     const auto arguments = std::make_shared<Arguments>();
     add_options(parser, *arguments);
-    return DeclaredCommand{[=] { check(*arguments); }, [=] { return run(*arguments); }};
+    const auto check_all = [=] {
+      if (check != nullptr) check(*arguments);
+      if constexpr (std::is_base_of_v<SettingOptions, Arguments>) read_settings(*arguments);
+    };
+    return DeclaredCommand{check_all, [=] { return run(*arguments); }};
   };
 }
 

@@ -12,7 +12,7 @@
 
 #include "framework/cli/command.hpp"
 #include "framework/cli/options.hpp"
-#include "framework/cli/print_result.hpp"
+#include "framework/cli/printable.hpp"
 #include "framework/core/system/instruction_set.hpp"
 #include "framework/core/text/nearest_name.hpp"
 

@@ -1,6 +1,4 @@
 #include <array>
-#include <csignal>
-#include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,7 +12,7 @@
 #include "framework/cli/inputs.hpp"
 #include "framework/cli/options.hpp"
 #include "framework/cli/plugins.hpp"
-#include "framework/cli/print_result.hpp"
+#include "framework/cli/printable.hpp"
 #include "framework/cli/stop_signals.hpp"
 #include "framework/core/text/fault.hpp"
 #include "framework/output/run_folder.hpp"
@@ -91,8 +89,8 @@ void add_options(CLI::App& parser, CompareArguments& arguments) {
   parser.add_option("--tolerance", arguments.tolerance, "to agree within; 1e-2 by default")
       ->type_name("T");
   add_output_option(parser, arguments.folder, "DIR", "folder for the results; compare.out");
-  add_force_option(parser, arguments.force,
-                   "DIR need not be empty; what tomlin writes is replaced");
+  parser.add_flag("--force", arguments.force,
+                  "DIR need not be empty; what tomlin writes is replaced");
 }
 
 void check(CompareArguments& arguments) {
@@ -101,7 +99,6 @@ void check(CompareArguments& arguments) {
                    "two or more");
   }
   refuse_unless_positive(arguments.tolerance, "--tolerance");
-  read_settings(arguments);
 }
 
 int compare(const CompareArguments& arguments) {
@@ -113,8 +110,6 @@ int compare(const CompareArguments& arguments) {
   for (const auto& scene : scenes) refuse_to_lose_inputs(folder, *scene, kFiles);
   folder.own();
 
-  std::signal(SIGXFSZ, SIG_IGN);
-  std::signal(SIGPIPE, SIG_IGN);
   StopSignals signals;
   const Comparison comparison =
       compare_models(scenes, {arguments.observable, arguments.tolerance, &signals.stop()});

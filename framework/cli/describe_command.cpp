@@ -19,14 +19,13 @@
 #include "framework/cli/new_file.hpp"
 #include "framework/cli/options.hpp"
 #include "framework/cli/plugins.hpp"
-#include "framework/cli/print_result.hpp"
+#include "framework/cli/printable.hpp"
 #include "framework/cli/reference_pages.hpp"
 #include "framework/core/records/force.hpp"
 #include "framework/core/records/integrator.hpp"
 #include "framework/core/text/citation.hpp"
 #include "framework/core/text/fault.hpp"
 #include "framework/core/text/nearest_name.hpp"
-#include "framework/output/output_file.hpp"
 #include "framework/scene/language.hpp"
 #include "framework/scene/value_reader.hpp"
 
@@ -56,11 +55,6 @@ Examples:
   tomlin describe rk4 --json               the same for programs
   tomlin describe rk4 --markdown           the same for a page
   tomlin describe --markdown -o DIR        all of it as pages, DIR/forcefields/REFERENCE.md ...)";
-
-/// "a, b, c"
-std::string listed(const std::vector<std::string>& words) {
-  return fmt::format("{}", fmt::join(words, ", "));
-}
 
 /// nullptr when there is none of that name.
 const Described* find(const std::vector<Described>& all, const std::string& name) {
@@ -131,17 +125,14 @@ std::vector<std::string> takers_of(const std::string& key, const std::vector<Des
     if (name.find('.') != std::string::npos) names.emplace_back(kind.id);
   }
   const auto takers = takers_of(name, all, tables);
-  Fault fault(FaultCode::scene_unknown_component);
-  fault.location.file = "tomlin";
   if (!takers.empty()) {
-    fault.why = fmt::format("\"{}\" is a key of {}", name, listed(takers));
-    fault.admissible = "one of these names";
-  } else {
-    fault.why = fmt::format("there is no component \"{}\"", name);
-    fault.admissible = listed(names);
-    fault.nearest = nearest_name(name, names).value_or("");
+    refuse_command(FaultCode::scene_unknown_component,
+                   fmt::format("\"{}\" is a key of {}", name, joined(takers)),
+                   "one of these names");
   }
-  throw InputError({fault});
+  refuse_command(FaultCode::scene_unknown_component,
+                 fmt::format("there is no component \"{}\"", name), joined(names),
+                 nearest_name(name, names).value_or(""));
 }
 
 // ---- text
@@ -150,26 +141,32 @@ std::string origin_in_brackets(const ComponentRecord& record) {
   return record.library.empty() ? "" : " (" + record.library + ")";
 }
 
+constexpr const char* kHowToSeeOne =
+    "\n`tomlin describe NAME` shows one with its equation, parameters and an example.\n";
+
+/// Components in a line each.
+void append_summaries(std::string& text, const std::vector<const Described*>& components,
+                      std::size_t width) {
+  for (const Described* one : components) {
+    fmt::format_to(std::back_inserter(text), "  {:<{}}  {}{}\n", one->record->name, width,
+                   one->record->summary, origin_in_brackets(*one->record));
+  }
+}
+
 std::string list_text(const std::vector<Described>& all, const std::vector<SceneTable>& tables) {
   std::size_t width = 0;
   for (const Described& component : all) width = std::max(width, component.record->name.size());
   std::string text;
   for (const auto& [kind, kinds] : kKinds) {
-    const auto is_one = [name = kind](const Described& one) { return one.kind == name; };
-    if (std::none_of(all.begin(), all.end(), is_one)) continue;
-    text += std::string(kinds) + "\n";
-    for (const Described& component : all) {
-      if (component.kind != kind) continue;
-      fmt::format_to(std::back_inserter(text), "  {:<{}}  {}{}\n", component.record->name, width,
-                     component.record->summary, origin_in_brackets(*component.record));
-    }
+    const auto found = those_of(kind, all);
+    if (!found.empty()) text += std::string(kinds) + "\n";
+    append_summaries(text, found, width);
   }
   text += "tables of a scene\n";
   for (const SceneTable& table : tables) {
     fmt::format_to(std::back_inserter(text), "  {:<{}}  {}\n", table.name, width, table.summary);
   }
-  return text +
-         "\n`tomlin describe NAME` shows one with its equation, parameters and an example.\n";
+  return text + kHowToSeeOne;
 }
 
 void append_indented(std::string& text, std::string_view lines) {
@@ -187,8 +184,8 @@ void append_traits(std::string& text, const Described& component) {
     text += "\nacts on\n  " + acts_on(*component.force) + "\n";
   }
   const auto held = trait_words(component);
-  text += "\ntraits\n  " + (held.empty() ? "none" : listed(held)) + "\n";
-  text += "\nnumbers\n  " + listed(number_types(component)) + "\n";
+  text += "\ntraits\n  " + (held.empty() ? "none" : joined(held)) + "\n";
+  text += "\nnumbers\n  " + joined(number_types(component)) + "\n";
 }
 
 void append_sources(std::string& text, const std::string& source) {
@@ -244,25 +241,21 @@ std::string heading_of(const KindNames& kind) {
 
 /// All of a kind in a line each, and what each of them takes.
 std::string kind_text(const KindNames& kind, const std::vector<Described>& all) {
-  const auto found = those_of(kind, all);
+  const auto found = those_of(kind.first, all);
   std::string text = fmt::format("{}: {}\n", heading_of(kind), kind.second);
   if (found.empty()) return text + "  none; they come with plugins, see describe --plugin LIB\n";
   std::size_t width = 0;
   for (const Described* one : found) width = std::max(width, one->record->name.size());
   text += "\ntype\n";
-  for (const Described* one : found) {
-    fmt::format_to(std::back_inserter(text), "  {:<{}}  {}{}\n", one->record->name, width,
-                   one->record->summary, origin_in_brackets(*one->record));
-  }
+  append_summaries(text, found, width);
   append_own_keys(text, std::string("every ") + kind.first + " takes, beside keys of its own",
                   found.front()->layout.own_keys);
-  return text +
-         "\n`tomlin describe NAME` shows one with its equation, parameters and an example.\n";
+  return text + kHowToSeeOne;
 }
 
 std::string kind_section(const KindNames& kind, const std::vector<Described>& all) {
   std::string text;
-  for (const Described* one : those_of(kind, all)) text += component_section(*one);
+  for (const Described* one : those_of(kind.first, all)) text += component_section(*one);
   return text;
 }
 
@@ -289,9 +282,7 @@ int write_pages(const fs::path& folder, const Registry& registry, bool force) {
       refuse_input(FaultCode::file_cannot_write, "-o", file.parent_path().string(),
                    "cannot be made: " + error.message());
     }
-    OutputFile output(file);
-    output.append(page.text);
-    output.publish();
+    write_new_file(file, page.text);
     written += file.string() + "\n";
   }
   return print_result(written);
@@ -309,7 +300,7 @@ void add_options(CLI::App& parser, DescribeArguments& arguments) {
       parser.add_flag("--markdown", arguments.markdown, "as Markdown")->excludes(json);
   add_output_option(parser, arguments.folder, "DIR", "folder for the reference pages")
       ->needs(markdown);
-  add_force_option(parser, arguments.force, "replace pages that are there");
+  parser.add_flag("--force", arguments.force, "replace pages that are there");
 }
 
 void check(DescribeArguments& arguments) {
@@ -325,36 +316,31 @@ int describe(const DescribeArguments& arguments) {
   if (arguments.folder) return write_pages(*arguments.folder, registry, arguments.force);
   const auto all = all_components(registry);
   const auto tables = described_tables();
+  const auto print_form = [&arguments](const std::string& text, const nlohmann::ordered_json& json,
+                                       const std::string& markdown) {
+    if (arguments.markdown) return print_result(markdown);
+    return print_result(arguments.json ? json_text(json) : text);
+  };
   if (arguments.name.empty()) {
-    if (arguments.markdown) return print_result(all_pages(registry));
-    return print_result(arguments.json ? json_text(list_json(all, tables))
-                                       : list_text(all, tables));
+    return print_form(list_text(all, tables), list_json(all, tables), all_pages(registry));
   }
   const std::string name = without_scene_signs(arguments.name);
-  if (const Described* component = find(all, name)) {
-    if (arguments.markdown) return print_result(component_section(*component));
-    return print_result(arguments.json ? json_text(component_json(*component))
-                                       : component_text(*component));
+  if (const Described* one = find(all, name)) {
+    return print_form(component_text(*one), component_json(*one), component_section(*one));
   }
   if (const KindNames* kind = find_kind(name)) {
-    if (arguments.markdown) return print_result(kind_section(*kind, all));
-    return print_result(arguments.json ? json_text(kind_json(*kind, all)) : kind_text(*kind, all));
+    return print_form(kind_text(*kind, all), kind_json(*kind, all), kind_section(*kind, all));
   }
   if (const SceneTable* table = find(tables, name)) {
-    if (arguments.markdown) return print_result(table_section(*table));
-    return print_result(arguments.json ? json_text(table_json(*table)) : table_text(*table));
+    return print_form(table_text(*table), table_json(*table), table_section(*table));
   }
-  if (name == "results") {
-    return print_result(arguments.json ? json_text(results_json()) : results_section());
-  }
+  if (name == "results") return print_form(results_section(), results_json(), results_section());
   if (name == "diagnostics") {
-    if (arguments.markdown) return print_result(diagnostics_section());
-    return print_result(arguments.json ? json_text(diagnostics_json()) : diagnostics_text());
+    return print_form(diagnostics_text(), diagnostics_json(), diagnostics_section());
   }
   if (const auto code = fault_code_of(name)) {
     const FaultKind& kind = kind_of(*code);
-    if (arguments.markdown) return print_result(diagnostic_section(kind));
-    return print_result(arguments.json ? json_text(diagnostic_json(kind)) : diagnostic_text(kind));
+    return print_form(diagnostic_text(kind), diagnostic_json(kind), diagnostic_section(kind));
   }
   refuse(name, all, tables);
 }

@@ -79,6 +79,20 @@ Json citations_json(const std::string& source) {
   return list;
 }
 
+Json summaries_json(const std::vector<const Described*>& components) {
+  Json list = Json::array();
+  for (const Described* one : components) {
+    list.push_back(Json{{"name", one->record->name}, {"summary", one->record->summary}});
+  }
+  return list;
+}
+
+Json own_keys_json(const std::vector<OwnKey>& keys) {
+  Json list = Json::array();
+  for (const OwnKey& own : keys) list.push_back(Json{{"key", own.key}, {"doc", own.doc}});
+  return list;
+}
+
 Json traits_json(const Described& component) {
   Json traits = Json::object();
   if (component.force != nullptr) {
@@ -97,10 +111,7 @@ void append_layout(Json& entry, const TableLayout& layout) {
   for (const Parameter& row : layout.rows) {
     entry["parameters"].push_back(parameter_json(row));
   }
-  entry["other_keys"] = Json::array();
-  for (const OwnKey& own : layout.own_keys) {
-    entry["other_keys"].push_back(Json{{"key", own.key}, {"doc", own.doc}});
-  }
+  entry["other_keys"] = own_keys_json(layout.own_keys);
 }
 
 }  // namespace
@@ -131,14 +142,7 @@ Json component_json(const Described& component) {
 
 Json list_json(const std::vector<Described>& all, const std::vector<SceneTable>& tables) {
   Json list;
-  for (const auto& [kind, kinds] : kKinds) {
-    list[kinds] = Json::array();
-    for (const Described& component : all) {
-      if (component.kind != kind) continue;
-      list[kinds].push_back(
-          Json{{"name", component.record->name}, {"summary", component.record->summary}});
-    }
-  }
+  for (const auto& [kind, kinds] : kKinds) list[kinds] = summaries_json(those_of(kind, all));
   list["tables"] = Json::array();
   for (const SceneTable& table : tables) {
     list["tables"].push_back(Json{{"name", table.name}, {"summary", table.summary}});
@@ -147,18 +151,12 @@ Json list_json(const std::vector<Described>& all, const std::vector<SceneTable>&
 }
 
 Json kind_json(const KindNames& kind, const std::vector<Described>& all) {
-  Json entry = {{"name", kind.first}, {"kind", "kind"}, {kind.second, Json::array()}};
-  const auto found = those_of(kind, all);
-  for (const Described* one : found) {
-    entry[kind.second].push_back(
-        Json{{"name", one->record->name}, {"summary", one->record->summary}});
-  }
-  entry["other_keys"] = Json::array();
-  if (found.empty()) return entry;
-  for (const OwnKey& own : found.front()->layout.own_keys) {
-    entry["other_keys"].push_back(Json{{"key", own.key}, {"doc", own.doc}});
-  }
-  return entry;
+  const auto found = those_of(kind.first, all);
+  return {{"name", kind.first},
+          {"kind", "kind"},
+          {kind.second, summaries_json(found)},
+          {"other_keys",
+           found.empty() ? Json::array() : own_keys_json(found.front()->layout.own_keys)}};
 }
 
 Json results_json() {

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "framework/cli/component_text.hpp"
 #include "framework/core/records/body.hpp"
 #include "framework/core/records/observer.hpp"
 #include "framework/scene/effective.hpp"
@@ -45,10 +44,10 @@ std::vector<Described> all_components(const Registry& registry) {
   return all;
 }
 
-std::vector<const Described*> those_of(const KindNames& kind, const std::vector<Described>& all) {
+std::vector<const Described*> those_of(std::string_view kind, const std::vector<Described>& all) {
   std::vector<const Described*> found;
   for (const Described& component : all) {
-    if (component.kind == kind.first) found.push_back(&component);
+    if (component.kind == kind) found.push_back(&component);
   }
   return found;
 }
@@ -72,6 +71,22 @@ std::array<Declaration, 7> abilities(const IntegratorRecord& record) {
           Declaration{"needs derivatives of the forces", record.needs_tangent},
           Declaration{"only for scenes without friction", record.conservative_only},
           Declaration{"follows equilibria", record.follows_equilibria}};
+}
+
+const char* to_string(Element element) {
+  switch (element) {
+    case Element::site:
+      return "each particle";
+    case Element::pair:
+      return "pairs of particles";
+    case Element::triple:
+      return "angles of three particles";
+    case Element::surroundings:
+      return "each particle and its neighbours";
+    case Element::body:
+      return "a body as a whole, or particles of it";
+  }
+  return "";
 }
 
 std::string acts_on(const ForceRecord& force) {
@@ -108,6 +123,10 @@ std::vector<std::string> number_types(const Described& component) {
   if (component.force != nullptr) return number_types_of(*component.force);
   if (component.integrator != nullptr) return number_types_of(*component.integrator);
   return {};
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  return fmt::format("{}", fmt::join(words, ", "));
 }
 
 std::string default_text(const Parameter& row) {

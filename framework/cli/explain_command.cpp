@@ -4,8 +4,7 @@
 #include "framework/cli/diagnostics.hpp"
 #include "framework/cli/explanation.hpp"
 #include "framework/cli/options.hpp"
-#include "framework/cli/plugins.hpp"
-#include "framework/cli/print_result.hpp"
+#include "framework/cli/printable.hpp"
 #include "framework/core/text/fault.hpp"
 
 namespace tomlin {
@@ -38,13 +37,10 @@ void add_options(CLI::App& parser, ExplainArguments& arguments) {
   add_json_option(parser, arguments.json);
 }
 
-void check(ExplainArguments& arguments) { read_settings(arguments); }
-
 int explain_scene(const ExplainArguments& arguments) {
   try {
-    const SceneDocument document(arguments.scene);
-    const Registry registry = registry_with_plugins(arguments.plugins, {&document, 1});
-    const Explanation explanation = explain(document.read(registry, arguments.settings));
+    const OpenedScene opened(arguments);
+    const Explanation explanation = explain(opened.scene);
     return print_result(arguments.json ? explanation_json(explanation)
                                        : explanation_text(explanation));
   } catch (const InputError& error) {
@@ -58,7 +54,7 @@ int explain_scene(const ExplainArguments& arguments) {
 
 CommandRecord explain_command() {
   return {"explain", "what a scene builds, its scales, its cost", kExplainFooter,
-          declared<ExplainArguments>(add_options, check, explain_scene)};
+          declared<ExplainArguments>(add_options, nullptr, explain_scene)};
 }
 
 }  // namespace tomlin

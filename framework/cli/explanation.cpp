@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "framework/cli/component_text.hpp"
 #include "framework/core/records/force.hpp"
 #include "framework/core/system/instruction_set.hpp"
+#include "framework/core/text/axis_names.hpp"
 #include "framework/model/model.hpp"
 #include "framework/run/guard/trial.hpp"
 #include "framework/run/steps/lane_batch.hpp"
@@ -114,7 +114,7 @@ void add_parts(Explanation& explanation, const Model& model) {
   for (int axis = 0; axis < model.dimension(); ++axis) {
     const double unit = model.origin().unit[axis];
     if (!(unit > 0.0)) continue;
-    cells += fmt::format("{}{:g} along {}", cells.empty() ? "" : ", ", unit, axis_name(axis));
+    cells += fmt::format("{}{:g} along {}", cells.empty() ? "" : ", ", unit, kAxisNames[axis]);
   }
   parts.push_back({"moving origin", !cells.empty(),
                    cells.empty() ? "no force declares a period" : "cells of " + cells});
@@ -172,7 +172,6 @@ Explanation::Step step_of(const Scene& scene, const Trial& trial) {
   step.dt = integrator.record->step(integrator.description.get());
   step.stable_step = trial.stable_step;
   step.stable = trial.step_is_stable;
-  step.allow_unstable = scene.run.allow_unstable;
   return step;
 }
 

@@ -50,7 +50,6 @@ struct Explanation {
     double dt = 0.0;                 ///< 0: adaptive
     double stable_step = 0.0;        ///< infinite where nothing limits it
     bool stable = true;
-    bool allow_unstable = false;
     /// Above 1 the step is too long.
     double part_of_stable_step() const { return dt / stable_step; }
   };

@@ -6,11 +6,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "framework/cli/component_text.hpp"
+#include "framework/cli/described.hpp"
 #include "framework/cli/diagnostics.hpp"
 #include "framework/cli/explanation.hpp"
 #include "framework/cli/sections.hpp"
 #include "framework/core/numbers/constants.hpp"
+#include "framework/core/text/axis_names.hpp"
 #include "framework/output/run_folder.hpp"
 #include "framework/output/trajectory.hpp"
 #include "framework/scene/natural_units.hpp"
@@ -26,8 +27,6 @@ struct Forms {
   Json& json;  ///< numbers that are not finite are null
   Sections& text;
 };
-
-std::string text_of(double x) { return fmt::format("{:.4g}", x); }
 
 /// over/x; null where there is none.
 Json inverse(double over, double x) { return x > 0.0 ? Json(over / x) : Json(); }
@@ -58,12 +57,11 @@ void add_bodies(Forms& forms, const Explanation& e) {
                                         {"degrees_of_freedom", body.degrees_of_freedom},
                                         {"rolling_radius", positive(body.rolling_radius)}});
     if (!body.note.empty()) forms.json["bodies"].back()["note"] = body.note;
-    const std::string mass = text_of(body.mass) + (metal ? " u" : "");
     forms.text.row(
         body.name,
-        fmt::format("{}: {}, mass {}, {}: {}, {}", body.type,
-                    counted(body.particles, "particle", "particles"), mass, motion_of(body),
-                    counted(body.coordinate_count, "coordinate", "coordinates"),
+        fmt::format("{}: {}, mass {:.4g}{}, {}: {}, {}", body.type,
+                    counted(body.particles, "particle", "particles"), body.mass, metal ? " u" : "",
+                    motion_of(body), counted(body.coordinate_count, "coordinate", "coordinates"),
                     counted(body.degrees_of_freedom, "degree of freedom", "degrees of freedom")));
     if (!body.note.empty()) forms.text.row("", body.note);
   }
@@ -73,9 +71,9 @@ void add_bodies(Forms& forms, const Explanation& e) {
 void add_neighbours(Forms& forms, const NeighbourCount& count) {
   forms.json["forces"].back()["neighbours"] = Json{
       {"mean", count.mean}, {"most", count.most}, {"pairs", count.pairs}, {"bytes", count.bytes}};
-  forms.text.row("", fmt::format("{} neighbours of a particle within cutoff and skin, at most {}; "
-                                 "{} pairs, lists of {}",
-                                 text_of(count.mean), count.most, count.pairs,
+  forms.text.row("", fmt::format("{:.4g} neighbours of a particle within cutoff and skin, at most "
+                                 "{}; {} pairs, lists of {}",
+                                 count.mean, count.most, count.pairs,
                                  bytes_text(static_cast<double>(count.bytes))));
 }
 
@@ -124,8 +122,7 @@ void add_built(Forms& forms, const Explanation& e) {
 }
 
 std::string oscillation(double frequency) {
-  return fmt::format("omega = {}, period 2 pi/omega = {}", text_of(frequency),
-                     text_of(kTau / frequency));
+  return fmt::format("omega = {:.4g}, period 2 pi/omega = {:.4g}", frequency, kTau / frequency);
 }
 
 Json scales_json(const Explanation& e) {
@@ -162,8 +159,8 @@ void add_relaxation(Sections& sections, const Scales& scales) {
   sections.section("relaxation rate, curvature / friction coefficient");
   if (!(scales.relaxation_rate > 0.0)) return;
   sections.row("fastest of all",
-               fmt::format("{}, relaxation time {}, a bound on all together",
-                           text_of(scales.relaxation_rate), text_of(1.0 / scales.relaxation_rate)));
+               fmt::format("{:.4g}, relaxation time {:.4g}, a bound on all together",
+                           scales.relaxation_rate, 1.0 / scales.relaxation_rate));
 }
 
 void add_frequencies(Sections& sections, const Scales& scales) {
@@ -183,37 +180,48 @@ void add_frequencies(Sections& sections, const Scales& scales) {
   bool dry = false;  // friction that is not linear
   for (const ForceScale& force : scales.forces) {
     if (force.damping_rate > 0.0) {
-      sections.row(force.force, fmt::format("{}, decay time {}", text_of(force.damping_rate),
-                                            text_of(1.0 / force.damping_rate)));
+      sections.row(force.force, fmt::format("{:.4g}, decay time {:.4g}", force.damping_rate,
+                                            1.0 / force.damping_rate));
     }
     if (!(force.rate_at_rest > 0.0)) continue;
     dry = true;
-    sections.row(force.force,
-                 fmt::format("not linear: up to {} near rest, decay time {}",
-                             text_of(force.rate_at_rest), text_of(1.0 / force.rate_at_rest)));
+    sections.row(force.force, fmt::format("not linear: up to {:.4g} near rest, decay time {:.4g}",
+                                          force.rate_at_rest, 1.0 / force.rate_at_rest));
   }
   const Damping& damping = scales.damping;
   if (damping.regime == Regime::no_oscillation) return;
   std::string ratio;
   if (damping.regime != Regime::undamped) {
-    ratio = fmt::format(": damping ratio {}, the rate over the critical one, 2 omega = {} of {}",
-                        text_of(damping.rate / damping.critical), text_of(damping.critical),
-                        damping.oscillator);
+    ratio = fmt::format(
+        ": damping ratio {:.4g}, the rate over the critical one, 2 omega = {:.4g} of {}",
+        damping.rate / damping.critical, damping.critical, damping.oscillator);
   }
-  if (dry)
+  if (dry) {
     ratio += damping.regime == Regime::undamped ? " but for friction that is not linear"
                                                 : "; without friction that is not linear";
+  }
   sections.row("regime", to_string(damping.regime) + ratio);
 }
 
 /// The parts that particles out of phase add cancel, but for rounding.
 bool nothing_but_rounding(const Sliding& sliding) {
-  constexpr double kRounding = 1e-9;
-  return sliding.curvature_as_placed < kRounding * sliding.curvature;
+  constexpr double kRoundingOfSum = 1e-9;  // of the sum of all parts in phase
+  return sliding.curvature_as_placed < kRoundingOfSum * sliding.curvature;
 }
 
 std::string verdict(double s) {
   return s < 1.0 ? "s < 1: smooth sliding" : "s > 1: stick-slip possible";
+}
+
+/// Begins both forms of what a driver pulls over a substrate.
+Json pulled_over(Forms& forms, const Sliding& sliding) {
+  const char* axis = kAxisNames[sliding.axis];
+  forms.text.section(fmt::format("{}: {} pulls over {} along {}", sliding.body, sliding.driver,
+                                 sliding.substrate, axis));
+  return Json{{"body", sliding.body},
+              {"driver", sliding.driver},
+              {"substrate", sliding.substrate},
+              {"axis", axis}};
 }
 
 void add_sliding(Forms& forms, const Explanation& e) {
@@ -222,51 +230,44 @@ void add_sliding(Forms& forms, const Explanation& e) {
   for (const Sliding& sliding : e.scales.sliding) {
     const bool alone = sliding.particles == 1;
     const bool bonded = !sliding.bond.empty();
-    const Json bond_stiffness = bonded ? Json(sliding.bond_stiffness) : Json();
-    const Json revolution = positive(kTau * sliding.rolling_radius / sliding.period);
-    list.push_back(Json{{"body", sliding.body},
-                        {"driver", sliding.driver},
-                        {"substrate", sliding.substrate},
-                        {"axis", axis_name(sliding.axis)},
-                        {"period", sliding.period},
-                        {"stiffness", sliding.stiffness},
-                        {"driver_stiffness", sliding.driver_stiffness},
-                        {"bond", word(sliding.bond)},
-                        {"bond_stiffness", bond_stiffness},
-                        {"curvature", sliding.curvature},
-                        {"stick_slip", sliding.stick_slip()},
-                        {"stick_slip_is_upper_bound", sliding.particles > 1},
-                        {"stick_slip_as_placed", sliding.stick_slip_as_placed()},
-                        {"washboard_frequency", sliding.washboard_frequency},
-                        {"period_duration", inverse(kTau, sliding.washboard_frequency)},
-                        {"circumference_in_periods", revolution}});
-    text.section(fmt::format("{}: {} pulls over {} along {}", sliding.body, sliding.driver,
-                             sliding.substrate, axis_name(sliding.axis)));
+    const double s = sliding.stick_slip();
+    const double frequency = sliding.washboard_frequency;
+    const double revolution = kTau * sliding.rolling_radius / sliding.period;
+    list.push_back(pulled_over(forms, sliding));
+    list.back().update(Json{{"period", sliding.period},
+                            {"stiffness", sliding.stiffness},
+                            {"driver_stiffness", sliding.driver_stiffness},
+                            {"bond", word(sliding.bond)},
+                            {"bond_stiffness", bonded ? Json(sliding.bond_stiffness) : Json()},
+                            {"curvature", sliding.curvature},
+                            {"stick_slip", s},
+                            {"stick_slip_is_upper_bound", sliding.particles > 1},
+                            {"stick_slip_as_placed", sliding.stick_slip_as_placed()},
+                            {"washboard_frequency", frequency},
+                            {"period_duration", inverse(kTau, frequency)},
+                            {"circumference_in_periods", positive(revolution)}});
     text.row("stick-slip parameter",
-             fmt::format("s {} {} = substrate curvature {} / {} stiffness {}; {}",
-                         alone ? "=" : "<=", text_of(sliding.stick_slip()),
-                         text_of(sliding.curvature), bonded ? "series" : "driver",
-                         text_of(sliding.stiffness), verdict(sliding.stick_slip())));
+             fmt::format("s {} {:.4g} = substrate curvature {:.4g} / {} stiffness {:.4g}; {}",
+                         alone ? "=" : "<=", s, sliding.curvature, bonded ? "series" : "driver",
+                         sliding.stiffness, verdict(s)));
     if (bonded) {
-      text.row("", fmt::format("the series of {}, {}, and {}, {}", sliding.driver,
-                               text_of(sliding.driver_stiffness), sliding.bond,
-                               text_of(sliding.bond_stiffness)));
+      text.row("", fmt::format("the series of {}, {:.4g}, and {}, {:.4g}", sliding.driver,
+                               sliding.driver_stiffness, sliding.bond, sliding.bond_stiffness));
     }
     if (!alone) {
       text.row("", "an upper bound: all particles in phase");
-      const double s = nothing_but_rounding(sliding) ? 0.0 : sliding.stick_slip_as_placed();
-      text.row("as placed", fmt::format("s = {} for the body as it is placed, moved without a "
-                                        "change of shape",
-                                        text_of(s)));
+      text.row(
+          "as placed",
+          fmt::format("s = {:.4g} for the body as it is placed, moved without a change of shape",
+                      nothing_but_rounding(sliding) ? 0.0 : sliding.stick_slip_as_placed()));
     }
     text.row("washboard",
-             fmt::format("2 pi v/a = {}; one period a = {} takes {}, the run {}",
-                         text_of(sliding.washboard_frequency), text_of(sliding.period),
-                         text_of(kTau / sliding.washboard_frequency),
-                         text_of(e.scene->run.duration * sliding.washboard_frequency / kTau)));
-    if (!revolution.is_null()) {
-      text.row("circumference", fmt::format("2 pi R/a = {} periods to a turn when rolling",
-                                            text_of(revolution.get<double>())));
+             fmt::format("2 pi v/a = {:.4g}; one period a = {:.4g} takes {:.4g}, the run {:.4g}",
+                         frequency, sliding.period, kTau / frequency,
+                         e.scene->run.duration * frequency / kTau));
+    if (revolution > 0.0) {
+      text.row("circumference",
+               fmt::format("2 pi R/a = {:.4g} periods to a turn when rolling", revolution));
     }
   }
 }
@@ -275,32 +276,26 @@ void add_sliding(Forms& forms, const Explanation& e) {
 void add_sliding_as_placed(Forms& forms, const Scales& scales) {
   Json& list = forms.json["sliding_as_placed"] = Json::array();
   for (const Sliding& sliding : scales.sliding_as_placed) {
-    const char* axis = axis_name(sliding.axis);
     const double s = sliding.stick_slip_as_placed();
-    list.push_back(Json{{"body", sliding.body},
-                        {"driver", sliding.driver},
-                        {"substrate", sliding.substrate},
-                        {"axis", axis},
-                        {"period", positive(sliding.period)},
-                        {"stiffness", sliding.stiffness},
-                        {"stick_slip_as_placed", s}});
-    forms.text.section(fmt::format("{}: {} pulls over {} along {}", sliding.body, sliding.driver,
-                                   sliding.substrate, axis));
+    list.push_back(pulled_over(forms, sliding));
+    list.back().update(Json{{"period", positive(sliding.period)},
+                            {"stiffness", sliding.stiffness},
+                            {"stick_slip_as_placed", s}});
     forms.text.row(
         "stick-slip parameter",
-        fmt::format("s = {} = substrate curvature {} / driver stiffness {}; {}", text_of(s),
-                    text_of(sliding.curvature_as_placed), text_of(sliding.stiffness), verdict(s)));
-    forms.text.row(
-        "", "for the body as it is placed, moved without a change of shape" +
-                std::string(sliding.period > 0.0 ? "; the curvature depends on where it is"
-                                                 : fmt::format("; no period along {}", axis)));
+        fmt::format("s = {:.4g} = substrate curvature {:.4g} / driver stiffness {:.4g}; {}", s,
+                    sliding.curvature_as_placed, sliding.stiffness, verdict(s)));
+    forms.text.row("", "for the body as it is placed, moved without a change of shape; " +
+                           (sliding.period > 0.0
+                                ? "the curvature depends on where it is"
+                                : std::string("no period along ") + kAxisNames[sliding.axis]));
   }
 }
 
 void add_transmissions(Forms& forms, const Scales& scales) {
   Json& list = forms.json["transmissions"] = Json::array();
   for (const Transmission& one : scales.transmissions) {
-    const char* axis = axis_name(one.axis);
+    const char* axis = kAxisNames[one.axis];
     list.push_back(Json{{"body", one.body},
                         {"driver", one.driver},
                         {"substrate", one.substrate},
@@ -317,7 +312,7 @@ void add_transmissions(Forms& forms, const Scales& scales) {
 void add_misfits(Forms& forms, const Scales& scales) {
   Json& list = forms.json["misfits"] = Json::array();
   for (const Misfit& misfit : scales.misfits) {
-    const char* axis = axis_name(misfit.axis);
+    const char* axis = kAxisNames[misfit.axis];
     const auto fraction = as_fraction(misfit.ratio());
     list.push_back(Json{{"body", misfit.body},
                         {"substrate", misfit.substrate},
@@ -328,9 +323,9 @@ void add_misfits(Forms& forms, const Scales& scales) {
                         {"misfit", misfit.misfit()},
                         {"fraction", fraction ? Json{fraction->p, fraction->q} : Json()}});
     forms.text.section(fmt::format("{} on {} along {}", misfit.body, misfit.substrate, axis));
-    forms.text.row("spacing/period", fmt::format("{:.10g}, of {} and {}; misfit {}", misfit.ratio(),
-                                                 text_of(misfit.spacing), text_of(misfit.period),
-                                                 text_of(misfit.misfit())));
+    forms.text.row("spacing/period",
+                   fmt::format("{:.10g}, of {:.4g} and {:.4g}; misfit {:.4g}", misfit.ratio(),
+                               misfit.spacing, misfit.period, misfit.misfit()));
     forms.text.row("commensurability",
                    fraction ? fmt::format("commensurate, {}/{}", fraction->p, fraction->q)
                             : "incommensurate: no fraction with a denominator up to 1000 is close");
@@ -345,11 +340,11 @@ std::pair<std::string, std::string> row_of(const Explanation::Step& step) {
                                     *step.accuracy, step.type)};
   }
   if (step.adaptive) return {step.type, "adaptive: chooses its own steps"};
-  const std::string dt = "dt = " + text_of(step.dt);
+  const std::string dt = fmt::format("dt = {:.4g}", step.dt);
   if (std::isinf(step.stable_step)) return {step.type, dt + "; nothing limits it"};
   return {step.type,
-          fmt::format("{}, {} of the stable step {}{}", dt, text_of(step.part_of_stable_step()),
-                      text_of(step.stable_step), step.stable ? "" : ": NOT STABLE")};
+          fmt::format("{}, {:.4g} of the stable step {:.4g}{}", dt, step.part_of_stable_step(),
+                      step.stable_step, step.stable ? "" : ": NOT STABLE")};
 }
 
 void add_step(Forms& forms, const Explanation& e) {
@@ -367,14 +362,15 @@ void add_step(Forms& forms, const Explanation& e) {
   const auto [label, content] = row_of(step);
   text.row(label, content);
   if (e.scales.shortest_time > 0.0) {
-    text.row("shortest time scale", text_of(e.scales.shortest_time) +
-                                        ", the least of 1/omega, 1/damping rate and a/(2 pi v)");
+    text.row("shortest time scale",
+             fmt::format("{:.4g}, the least of 1/omega, 1/damping rate and a/(2 pi v)",
+                         e.scales.shortest_time));
   }
   if (!e.scales.stiffest_force.empty()) text.row("stiffest force", e.scales.stiffest_force);
   if (!step.adaptive) return;
   const NaturalUnits units = natural_units(*e.scene);
-  text.row("tolerances in", fmt::format("length {}, {}; time {}, {}", text_of(units.length),
-                                        units.length_of, text_of(units.time), units.time_of));
+  text.row("tolerances in", fmt::format("length {:.4g}, {}; time {:.4g}, {}", units.length,
+                                        units.length_of, units.time, units.time_of));
 }
 
 /// A time of about this many seconds, as people say it.
@@ -386,8 +382,8 @@ std::string seconds_text(double seconds) {
 }
 
 std::string count_text(double count) {
-  constexpr double kReadable = 1e7;
-  return count < kReadable ? fmt::format("{:.0f}", count) : fmt::format("{:.3g}", count);
+  constexpr double kLargestInFull = 1e7;  // a count of more digits is rounded
+  return count < kLargestInFull ? fmt::format("{:.0f}", count) : fmt::format("{:.3g}", count);
 }
 
 void add_cost(Forms& forms, const Explanation& e) {

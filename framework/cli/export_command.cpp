@@ -1,4 +1,3 @@
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -8,11 +7,9 @@
 #include "framework/cli/command.hpp"
 #include "framework/cli/inputs.hpp"
 #include "framework/cli/options.hpp"
-#include "framework/cli/plugins.hpp"
-#include "framework/cli/print_result.hpp"
+#include "framework/cli/printable.hpp"
 #include "framework/lammps/lammps_input.hpp"
 #include "framework/output/run_folder.hpp"
-#include "framework/scene/scene_document.hpp"
 
 namespace tomlin {
 namespace {
@@ -49,8 +46,8 @@ void add_options(CLI::App& parser, ExportArguments& arguments) {
   parser.add_option("--to", arguments.to, "the program: lammps")->type_name("PROGRAM")->required();
   add_output_option(parser, arguments.folder, "DIR",
                     "folder for the files; SCENE's stem + .lammps");
-  add_force_option(parser, arguments.force,
-                   "DIR need not be empty; only files of these names are replaced");
+  parser.add_flag("--force", arguments.force,
+                  "DIR need not be empty; only files of these names are replaced");
 }
 
 void check(ExportArguments& arguments) {
@@ -58,21 +55,17 @@ void check(ExportArguments& arguments) {
     refuse_command(FaultCode::command_invalid_value,
                    fmt::format("scenes are not written for \"{}\"", arguments.to), "--to lammps");
   }
-  read_settings(arguments);
 }
 
 int export_scene(const ExportArguments& arguments) {
-  const SceneDocument document(arguments.scene);
-  const Registry registry = registry_with_plugins(arguments.plugins, {&document, 1});
-  const auto scene = document.read(registry, arguments.settings);
-  const std::vector<LammpsFile> files = lammps_input(scene, lammps_units(*scene));
+  const OpenedScene opened(arguments);
+  const std::vector<LammpsFile> files = lammps_input(opened.scene, lammps_units(*opened.scene));
   std::vector<const char*> names;
   names.reserve(files.size());
   for (const LammpsFile& file : files) names.push_back(file.name.c_str());
-  const std::string standard = std::filesystem::path(arguments.scene).stem().string() + ".lammps";
-  RunFolder folder(arguments.folder.value_or(standard),
+  RunFolder folder(folder_or_default(arguments.folder, arguments.scene, ".lammps"),
                    arguments.force ? Occupied::replace_results : Occupied::refuse, names);
-  refuse_to_lose_inputs(folder, *scene, names);
+  refuse_to_lose_inputs(folder, *opened.scene, names);
   folder.create();
   for (const LammpsFile& file : files) folder.write_file(file.name, file.text);
   return print_result(fmt::format("{}: {}\n  cd {} && lmp -in {}\n", (folder.path() / "").string(),

@@ -1,17 +1,19 @@
 #include "framework/cli/main_program.hpp"
 
 #include <exception>
+#include <initializer_list>
 #include <new>
 #include <stdexcept>
 #include <string>
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "framework/cli/command_line.hpp"
 #include "framework/cli/crash_note.hpp"
 #include "framework/cli/exit_status.hpp"
 #include "framework/cli/printable.hpp"
-#include "framework/cli/standard_streams.hpp"
 #include "framework/core/text/fault.hpp"
 #include "framework/model/plugin_code.hpp"
 #include "framework/output/output_file.hpp"
@@ -19,6 +21,16 @@
 
 namespace tomlin {
 namespace {
+
+/// Opens something that cannot be written to under the numbers of standard input, output and error
+/// that are closed (`>&-`), so that no file of a run is mistaken for one of them.
+void occupy_closed_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(stream, F_GETFD) >= 0) continue;
+    // The lowest free number is this one. Reading is all that it allows.
+    ::open("/dev/null", O_RDONLY);
+  }
+}
 
 int end_with(int status, const std::string& message) {
   print_error_line(message);

@@ -1,4 +1,3 @@
-#include <csignal>
 #include <cstddef>
 #include <deque>
 #include <filesystem>
@@ -13,10 +12,9 @@
 #include "framework/cli/build_version.hpp"
 #include "framework/cli/command.hpp"
 #include "framework/cli/exit_status.hpp"
-#include "framework/cli/inputs.hpp"
 #include "framework/cli/options.hpp"
 #include "framework/cli/plugins.hpp"
-#include "framework/cli/print_result.hpp"
+#include "framework/cli/printable.hpp"
 #include "framework/cli/stop_signals.hpp"
 #include "framework/cli/sweep_folder.hpp"
 #include "framework/cli/sweep_text.hpp"
@@ -69,8 +67,8 @@ void add_options(CLI::App& parser, MergeArguments& arguments) {
       ->option_text("...")
       ->required();
   add_output_option(parser, arguments.into, "DIR", "folder for the results")->required();
-  add_force_option(parser, arguments.force,
-                   "start over in DIR; only files that tomlin writes are replaced");
+  parser.add_flag("--force", arguments.force,
+                  "start over in DIR; only files that tomlin writes are replaced");
   parser.add_flag("--quiet", arguments.quiet, "print errors only");
 }
 
@@ -175,22 +173,13 @@ std::size_t first_without_row(const SweepPlan& plan, const SweepJournal& journal
 int merge_into(const fs::path& path, const SweepPlan& plan,
                const std::deque<SweepJournal>& journals, const MergeArguments& arguments) {
   RunFolder folder(path, occupied_by_sweep(path, plan, arguments.force), kSweepFiles);
-  refuse_to_lose_inputs(folder, plan.scene(), kSweepFiles, plan.scene_text());
-  if (arguments.force) refuse_to_lose_inputs(folder, plan.scene(), kFilesOfARun);
-  folder.own();
-  note_missing_locks(folder, arguments.quiet);
-  std::signal(SIGXFSZ, SIG_IGN);
-  std::signal(SIGPIPE, SIG_IGN);
+  own_sweep_folder(folder, plan, arguments.force, arguments.quiet);
   const StopSignals signals;
-  if (arguments.force) {
-    folder.remove_run();
-    folder.remove(kSweepJournalFile);
-    remove_points(folder.opened() / kPointsFolder);
-  }
+  if (arguments.force) remove_sweep(folder);
   for (const char* name : kSweepResults) folder.remove(name);
   folder.require_in_place();
-  SweepProgress progress;
-  progress.points = plan.points();
+  RecordedSweep merged;
+  merged.progress.points = plan.points();
   {
     // The journal comes first: whatever else is there, the rows so far are merged again from it.
     SweepJournal journal(folder.file(kSweepJournalFile), plan);
@@ -200,18 +189,16 @@ int merge_into(const fs::path& path, const SweepPlan& plan,
   if (signals.stop()) return kExitSignal + signals.caught();
   // The merged journal has been written and can be read.
   SweepJournal journal(folder.file(kSweepJournalFile), plan);
-  for (std::size_t k = 0; k < plan.points(); ++k) progress.before += journal.has(k) ? 1 : 0;
-  std::optional<SweepCounts> counts;
-  if (progress.complete()) counts = write_sweep_results(folder, plan, journal);
-  const SweepCounts* const known = counts ? &*counts : nullptr;
-  folder.write_file(kSweepSummaryFile, sweep_json(plan, progress, known, 1, std::nullopt));
-  if (counts) journal.complete(counts->status());
+  for (std::size_t k = 0; k < plan.points(); ++k) merged.progress.before += journal.has(k) ? 1 : 0;
+  if (merged.progress.complete()) merged.counts = write_sweep_results(folder, plan, journal);
+  folder.write_file(kSweepSummaryFile, sweep_json(plan, merged, 1));
+  if (merged.counts) journal.complete(merged.counts->status());
   int status = kExitDone;
   if (!arguments.quiet) {
-    status = print_result(merge_text(plan, progress, known, first_without_row(plan, journal),
-                                     where_the_sweep_is(folder)));
+    status = print_result(
+        merge_text(plan, merged, first_without_row(plan, journal), where_the_sweep_is(folder)));
   }
-  return counts ? status : kExitFailed;
+  return merged.counts ? status : kExitFailed;
 }
 
 int merge(const MergeArguments& arguments) {

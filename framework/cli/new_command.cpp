@@ -10,11 +10,10 @@
 #include "framework/cli/new_file.hpp"
 #include "framework/cli/new_plugin.hpp"
 #include "framework/cli/options.hpp"
-#include "framework/cli/print_result.hpp"
+#include "framework/cli/printable.hpp"
 #include "framework/cli/templates.hpp"
 #include "framework/core/text/fault.hpp"
 #include "framework/core/text/nearest_name.hpp"
-#include "framework/output/output_file.hpp"
 
 namespace tomlin {
 namespace fs = std::filesystem;
@@ -46,21 +45,17 @@ Examples:
 
 Exit status: 0 done; 1 the file could not be written; 2 invalid input.)";
 
-[[noreturn]] void refuse(Fault fault) { throw InputError({std::move(fault)}); }
-
 const SceneTemplate& template_of(const std::string& model) {
   std::vector<std::string> names;
   for (const SceneTemplate& known : scene_templates()) {
     if (known.name == model) return known;
     names.push_back(known.name);
   }
-  Fault fault(FaultCode::command_invalid_value);
-  fault.location.file = "tomlin";
   names.emplace_back("plugin");
-  fault.why = fmt::format("there is no model \"{}\" to start from", model);
-  fault.admissible = fmt::format("{}", fmt::join(names, ", "));
-  fault.nearest = nearest_name(model, names).value_or("");
-  refuse(std::move(fault));
+  refuse_command(FaultCode::command_invalid_value,
+                 fmt::format("there is no model \"{}\" to start from", model),
+                 fmt::format("{}", fmt::join(names, ", ")),
+                 nearest_name(model, names).value_or(""));
 }
 
 /// FILE, or NAME.toml.
@@ -80,7 +75,7 @@ void add_options(CLI::App& parser, NewArguments& arguments) {
                     "the file, NAME.toml by default; of a plugin the folder, NAME by default");
   parser.add_flag("--pairs", arguments.pairs,
                   "of a plugin: a force between pairs of particles, of one body or two");
-  add_force_option(parser, arguments.force, "replace a file that is there");
+  parser.add_flag("--force", arguments.force, "replace a file that is there");
 }
 
 void check(NewArguments& arguments) {
@@ -104,9 +99,7 @@ int write_new(const NewArguments& arguments) {
   const fs::path file = file_of(arguments);
   refuse_to_replace(file, arguments.force);
   refuse_unwritable(file);
-  OutputFile output(file);
-  output.append(scene.text);
-  output.publish();
+  write_new_file(file, scene.text);
   return print_result(fmt::format(
       "{}: {}\n  tomlin explain {}    what it builds, its scales, its stable step, its cost\n"
       "  tomlin run {}        runs it\n",

@@ -1,8 +1,8 @@
 #include "framework/cli/new_file.hpp"
 
 #include <cerrno>
+#include <string>
 #include <system_error>
-#include <utility>
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -16,43 +16,37 @@ namespace fs = std::filesystem;
 void refuse_to_replace(const fs::path& file, bool force) {
   std::error_code error;
   const auto status = fs::status(file, error);
-  Fault fault(FaultCode::file_exists);
-  fault.location.file = "-o";
-  fault.key = file.string();
   if (fs::is_directory(status)) {
-    fault.code = FaultCode::file_invalid;
-    fault.why = "this is a folder";
-    fault.admissible = "a file";
-  } else if (fs::exists(status) && !force) {
-    fault.why = "the file is there already";
-    fault.admissible = "another name, or --force to replace it";
-  } else {
-    return;
+    refuse_input(FaultCode::file_invalid, "-o", file.string(), "this is a folder", "a file");
   }
-  throw InputError({std::move(fault)});
+  if (fs::exists(status) && !force) {
+    refuse_input(FaultCode::file_exists, "-o", file.string(), "the file is there already",
+                 "another name, or --force to replace it");
+  }
 }
 
 void refuse_unwritable(const fs::path& file, const char* option) {
-  Fault fault(FaultCode::file_cannot_write);
-  fault.location.file = option;
-  fault.key = file.string();
-  fault.admissible = "a file in a folder that is there and may be written to";
-  const fs::path parent = file.parent_path().empty() ? fs::path(".") : file.parent_path();
+  const auto refuse = [&](const std::string& why) {
+    refuse_input(FaultCode::file_cannot_write, option, file.string(), why,
+                 "a file in a folder that is there and may be written to");
+  };
   std::error_code error;
   if (fs::is_directory(file, error) || fs::is_directory(unfinished(file), error)) {
-    fault.code = FaultCode::file_invalid;
-    fault.why = "this is a folder";
-    fault.admissible = "a file";
-  } else if (const auto status = fs::status(parent, error); !fs::exists(status)) {
-    fault.why = "there is no folder " + parent.string();
-  } else if (!fs::is_directory(status)) {
-    fault.why = parent.string() + " is not a folder";
-  } else if (::faccessat(AT_FDCWD, parent.c_str(), W_OK | X_OK, AT_EACCESS) != 0) {
-    fault.why = "cannot be written to: " + std::generic_category().message(errno);
-  } else {
-    return;
+    refuse_input(FaultCode::file_invalid, option, file.string(), "this is a folder", "a file");
   }
-  throw InputError({std::move(fault)});
+  const fs::path parent = file.parent_path().empty() ? fs::path(".") : file.parent_path();
+  const auto status = fs::status(parent, error);
+  if (!fs::exists(status)) refuse("there is no folder " + parent.string());
+  if (!fs::is_directory(status)) refuse(parent.string() + " is not a folder");
+  if (::faccessat(AT_FDCWD, parent.c_str(), W_OK | X_OK, AT_EACCESS) != 0) {
+    refuse("cannot be written to: " + std::generic_category().message(errno));
+  }
+}
+
+void write_new_file(const fs::path& file, std::string_view text) {
+  OutputFile output(file);
+  output.append(text);
+  output.publish();
 }
 
 }  // namespace tomlin

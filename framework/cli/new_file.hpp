@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string_view>
 
 namespace tomlin {
 
@@ -8,9 +9,11 @@ namespace tomlin {
 /// and not to be replaced.
 void refuse_to_replace(const std::filesystem::path& file, bool force);
 
-/// Throws InputError where no file can be written that `option` names: it, or
-/// what it is written as, is a folder, or the folder around it is not there or may not be written
-/// to.
+/// Throws InputError where no file can be written that `option` names: it, or the unfinished file
+/// beside it, is a folder, or the folder around it is not there or may not be written to.
 void refuse_unwritable(const std::filesystem::path& file, const char* option = "-o");
+
+/// Writes a file whole or not at all. Throws OutputError.
+void write_new_file(const std::filesystem::path& file, std::string_view text);
 
 }  // namespace tomlin

@@ -10,10 +10,10 @@
 
 #include <fmt/format.h>
 
-#include "framework/cli/print_result.hpp"
+#include "framework/cli/new_file.hpp"
+#include "framework/cli/printable.hpp"
 #include "framework/cli/templates.hpp"
 #include "framework/core/text/fault.hpp"
-#include "framework/output/output_file.hpp"
 #include "framework/standard_registry.hpp"
 
 namespace tomlin {
@@ -52,8 +52,12 @@ bool is_target_of_cmake(std::string_view name) {
   return targets.contains(name);
 }
 
-/// A name that files, a class of C++, a target of CMake and a scene all take.
+/// Refuses a name that files, a class of C++, a target of CMake or a scene do not take.
 void check_name(const std::string& name) {
+  const auto refuse = [&name](const std::string& why, const std::string& admissible) {
+    refuse_input(FaultCode::command_invalid_value, "tomlin", "NAME",
+                 fmt::format("\"{}\" {}", name, why), admissible);
+  };
   constexpr std::size_t kLongestName = 60;
   const auto fits = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
@@ -63,21 +67,16 @@ void check_name(const std::string& name) {
                      name.find("__") == std::string::npos &&
                      std::all_of(name.begin(), name.end(), fits);
   if (!valid) {
-    refuse_input(FaultCode::command_invalid_value, "tomlin", "NAME",
-                 fmt::format("\"{}\" is not a valid name of a force", name),
-                 "small letters, digits and single _, the first a letter: my_force");
+    refuse("is not a valid name of a force",
+           "small letters, digits and single _, the first a letter: my_force");
   }
   if (is_target_of_cmake(name)) {
-    refuse_input(
-        FaultCode::command_invalid_value, "tomlin", "NAME",
-        fmt::format("\"{}\" is a built-in target of CMake, and the library could not be built",
-                    name),
-        fmt::format("another name: {}_force", name));
+    refuse("is a built-in target of CMake, and the library could not be built",
+           fmt::format("another name: {}_force", name));
   }
   if (const std::string type = own_type(name); !type.empty()) {
-    refuse_input(FaultCode::command_invalid_value, "tomlin", "NAME",
-                 fmt::format("\"{}\" would give the type {}, which tomlin has already", name, type),
-                 fmt::format("another name: my_{}", name));
+    refuse(fmt::format("would give the type {}, which tomlin has already", type),
+           fmt::format("another name: my_{}", name));
   }
   const Registry registry = standard_registry();
   if (registry.body(name) || registry.force(name) || registry.integrator(name) ||
@@ -132,9 +131,7 @@ int new_plugin(const std::optional<std::string>& given_name,
   make_folder(folder, force);
   const auto& templates = kind == NewForce::pairs ? pair_plugin_templates() : plugin_templates();
   for (const PluginTemplate& one : templates) {
-    OutputFile output(folder / with_names(one.file, name));
-    output.append(with_names(one.text, name));
-    output.publish();
+    write_new_file(folder / with_names(one.file, name), with_names(one.text, name));
   }
   const std::string where = folder.string();
   return print_result(fmt::format(

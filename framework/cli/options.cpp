@@ -1,6 +1,7 @@
 #include "framework/cli/options.hpp"
 
 #include <cmath>
+#include <filesystem>
 #include <utility>
 
 #include <fmt/format.h>
@@ -9,19 +10,23 @@
 
 namespace tomlin {
 
-void add_plugin_option(CLI::App& parser, std::vector<std::string>& plugins) {
-  parser.add_option("--plugin", plugins, "more components, from a shared library")
-      ->type_name("LIB")
-      ->option_text("LIB ...")
+void add_repeatable_option(CLI::App& parser, const std::string& name,
+                           std::vector<std::string>& values, const std::string& kind,
+                           const std::string& help) {
+  parser.add_option(name, values, help)
+      ->type_name(kind)
+      ->option_text(kind + " ...")
       ->allow_extra_args(false);
 }
 
+void add_plugin_option(CLI::App& parser, std::vector<std::string>& plugins) {
+  add_repeatable_option(parser, "--plugin", plugins, "LIB",
+                        "more components, from a shared library");
+}
+
 void add_setting_options(CLI::App& parser, SettingOptions& options) {
-  parser
-      .add_option("--set", options.given_settings, "replace a parameter or any value of the scene")
-      ->type_name("PATH=VALUE")
-      ->option_text("PATH=VALUE ...")
-      ->allow_extra_args(false);
+  add_repeatable_option(parser, "--set", options.given_settings, "PATH=VALUE",
+                        "replace a parameter or any value of the scene");
   add_plugin_option(parser, options.plugins);
 }
 
@@ -36,24 +41,18 @@ void add_observable_option(CLI::App& parser, std::string& observable) {
       ->required();
 }
 
-void add_observable_option(CLI::App& parser, std::vector<std::string>& observables) {
-  parser.add_option("--observable", observables, "a dotted path in summary.json")
-      ->type_name("O")
-      ->option_text("O ...")
-      ->allow_extra_args(false);
-}
-
 CLI::Option* add_output_option(CLI::App& parser, std::optional<std::string>& output,
                                const char* kind, const std::string& help) {
   return parser.add_option("-o,--output", output, help)->type_name(kind);
 }
 
-void add_force_option(CLI::App& parser, bool& force, const std::string& help) {
-  parser.add_flag("--force", force, help);
-}
-
 CLI::Option* add_json_option(CLI::App& parser, bool& json) {
   return parser.add_flag("--json", json, "as JSON");
+}
+
+std::string folder_or_default(const std::optional<std::string>& given, const std::string& scene,
+                              const std::string& suffix) {
+  return given ? *given : std::filesystem::path(scene).stem().string() + suffix;
 }
 
 void refuse_command(FaultCode code, std::string why, std::string admissible, std::string nearest) {

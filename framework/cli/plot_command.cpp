@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #include "framework/cli/command.hpp"
-#include "framework/cli/print_result.hpp"
+#include "framework/cli/printable.hpp"
 #include "framework/core/text/fault.hpp"
 
 namespace tomlin {

@@ -16,7 +16,7 @@ std::vector<PluginRequest> requested_plugins(const std::vector<std::string>& giv
                                              std::span<const SceneDocument> scenes);
 
 /// All components that a command has: tomlin's own and those of plugins. Throws InputError. A crash
-/// of the process tells from then on which libraries were loaded.
+/// of the process reports from then on which libraries were loaded.
 Registry registry_with_plugins(const std::vector<std::string>& given,
                                std::span<const SceneDocument> scenes);
 

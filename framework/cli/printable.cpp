@@ -1,12 +1,16 @@
 #include "framework/cli/printable.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdint>
 #include <cstdio>
 #include <iterator>
+#include <system_error>
 
 #include <fmt/format.h>
 
+#include "framework/cli/exit_status.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/core/text/utf8.hpp"
 
 namespace tomlin {
@@ -67,6 +71,18 @@ std::string printable(std::string_view text) {
 
 void print_error_line(std::string_view text) {
   std::fputs((printable(text) + "\n").c_str(), stderr);
+}
+
+int print_result(const std::string& given) {
+  const std::string text = printable(given);
+  const bool printed =
+      std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
+  // A reader that went away, as `head` does, has seen what it wanted.
+  if (printed || errno == EPIPE) return kExitDone;
+  const std::string reason = std::generic_category().message(errno);
+  print_error_line(to_string(Fault(FaultCode::file_cannot_write, {"tomlin"}, "", "",
+                                   "cannot write to standard output: " + reason)));
+  return kExitFailed;
 }
 
 }  // namespace tomlin

@@ -13,4 +13,7 @@ std::string printable(std::string_view text);
 /// A line on standard error.
 void print_error_line(std::string_view text);
 
+/// Writes a command's result to standard output; kExitFailed when that does not take it.
+int print_result(const std::string& text);
+
 }  // namespace tomlin

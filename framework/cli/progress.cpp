@@ -15,9 +15,9 @@
 namespace tomlin {
 namespace {
 
-constexpr double kPlainEvery = 10.0;  // seconds
-constexpr double kFirstBefore = 2.0;  // of what comes before the run
-constexpr std::chrono::milliseconds kTerminalEvery{500};
+constexpr double kLogInterval = 10.0;       // seconds between lines
+constexpr double kFirstLogBeforeRun = 2.0;  // seconds, of what comes before the run
+constexpr std::chrono::milliseconds kRedrawInterval{500};
 
 }  // namespace
 
@@ -45,7 +45,7 @@ std::string progress_text(const RunProgress& progress) {
 
 ProgressLine::ProgressLine(Style style, std::string before)
     : style_(style),
-      next_plain_(before.empty() ? kPlainEvery : kFirstBefore),
+      next_plain_(before.empty() ? kLogInterval : kFirstLogBeforeRun),
       before_(std::move(before)) {
   if (style == Style::plain) {
     log_ = std::make_shared<spdlog::logger>("tomlin",
@@ -64,7 +64,7 @@ void ProgressLine::show_what_is_before() {
   using Clock = std::chrono::steady_clock;
   const auto started = Clock::now();
   std::unique_lock lock(mutex_);
-  while (!changed_.wait_for(lock, kTerminalEvery, [this] { return begun_; })) {
+  while (!changed_.wait_for(lock, kRedrawInterval, [this] { return begun_; })) {
     const std::chrono::duration<double> elapsed = Clock::now() - started;
     write(fmt::format("{}, {} elapsed", before_, duration_text(elapsed.count())), elapsed.count());
   }
@@ -78,7 +78,7 @@ void ProgressLine::end_what_is_before() {
   }
   changed_.notify_one();
   thread_.join();
-  next_plain_ = kPlainEvery;
+  next_plain_ = kLogInterval;
 }
 
 void ProgressLine::show(const RunProgress& progress) {
@@ -94,7 +94,7 @@ void ProgressLine::show(const std::string& text, double elapsed_seconds) {
 void ProgressLine::write(const std::string& text, double elapsed_seconds) {
   if (style_ == Style::plain) {
     if (elapsed_seconds < next_plain_) return;
-    next_plain_ = elapsed_seconds + kPlainEvery;
+    next_plain_ = elapsed_seconds + kLogInterval;
     log_->info(text);
     return;
   }

@@ -7,11 +7,7 @@
 namespace tomlin {
 
 RecordedSweep record_sweep(RunFolder& folder, SweepPlan& plan, const RecordedSweepOptions& asked) {
-  if (asked.begins_anew) {
-    folder.remove_run();
-    folder.remove(kSweepJournalFile);
-    remove_points(folder.opened() / kPointsFolder);
-  }
+  if (asked.begins_anew) remove_sweep(folder);
   RecordedSweep recorded;
   recorded.shard = asked.shard;
   folder.require_in_place();
@@ -52,10 +48,7 @@ RecordedSweep record_sweep(RunFolder& folder, SweepPlan& plan, const RecordedSwe
                                      : write_sweep_results(folder, plan, journal);
   }
   recorded.bisections = bisection.all();
-  folder.write_file(
-      kSweepSummaryFile,
-      sweep_json(plan, recorded.progress, recorded.counts ? &*recorded.counts : nullptr,
-                 asked.threads, recorded.shard, recorded.bisections));
+  folder.write_file(kSweepSummaryFile, sweep_json(plan, recorded, asked.threads));
   if (recorded.counts && !recorded.shard) {
     recorded.status = recorded.counts->status();
     journal.complete(recorded.status);

@@ -37,10 +37,6 @@ constexpr std::array kPages = {
     Kind{"integrator", "integrators/REFERENCE.md", "Integrators",
          "How time advances: `integrator = { type = ..., ... }` under `[run]` in a scene."}};
 
-std::string joined(const std::vector<std::string>& words) {
-  return fmt::format("{}", fmt::join(words, ", "));
-}
-
 /// Text in a cell of a table: a bar would end it.
 std::string cell(std::string_view text) {
   std::string result;
@@ -101,21 +97,16 @@ void append_own_keys(std::string& text, const std::vector<OwnKey>& keys) {
 std::string page_of(const Kind& kind, const std::vector<Described>& all) {
   std::string text = fmt::format("# {}\n\n{}{}\n\n", kind.title, kMadeBy, kind.preface);
   text += "| type | what it is |\n|---|---|\n";
-  const Described* any = nullptr;
-  for (const Described& component : all) {
-    if (component.kind != kind.kind) continue;
-    const std::string& name = component.record->name;
-    fmt::format_to(std::back_inserter(text), "| [`{}`](#{}) | {} |\n", name, name,
-                   cell(component.record->summary));
-    any = &component;
+  const auto found = those_of(kind.kind, all);
+  for (const Described* one : found) {
+    fmt::format_to(std::back_inserter(text), "| [`{0}`](#{0}) | {1} |\n", one->record->name,
+                   cell(one->record->summary));
   }
-  if (any != nullptr) {
+  if (!found.empty()) {
     text += "\nBeside its own keys each takes\n\n";
-    append_own_keys(text, any->layout.own_keys);
+    append_own_keys(text, found.back()->layout.own_keys);
   }
-  for (const Described& component : all) {
-    if (component.kind == kind.kind) text += component_section(component);
-  }
+  for (const Described* one : found) text += component_section(*one);
   text.pop_back();  // of two line ends the last
   return text;
 }

@@ -1,4 +1,3 @@
-#include <csignal>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -14,7 +13,6 @@
 #include "framework/cli/inputs.hpp"
 #include "framework/cli/options.hpp"
 #include "framework/cli/plugins.hpp"
-#include "framework/cli/print_result.hpp"
 #include "framework/cli/printable.hpp"
 #include "framework/cli/progress.hpp"
 #include "framework/cli/result_text.hpp"
@@ -85,8 +83,8 @@ one to start from. A scene names its libraries above its first [table], relative
 or --plugin does, relative to the current folder. Both load it from there alone. See
 also tomlin describe --plugin LIB.)";
 
-std::string default_folder(const std::string& scene_file) {
-  return fs::path(scene_file).stem().string() + ".out";
+std::string folder_of(const RunArguments& arguments) {
+  return folder_or_default(arguments.folder, arguments.scene, ".out");
 }
 
 void print_error(FaultCode code, const std::string& file, const std::string& why) {
@@ -122,7 +120,7 @@ void require_plugins_of_run(const RunArguments& arguments,
   for (const PluginRequest& plugin : plugins) {
     libraries.push_back({plugin.given, plugin.path.string(), examine_plugin(plugin.path).hash});
   }
-  require_same_libraries(arguments.folder.value_or(default_folder(arguments.scene)), libraries);
+  require_same_libraries(folder_of(arguments), libraries);
 }
 
 /// A run that has come to its end already.
@@ -143,8 +141,8 @@ void add_options(CLI::App& parser, RunArguments& arguments) {
   add_scene_options(parser, arguments);
   add_output_option(parser, arguments.folder, "DIR", "folder for the results; SCENE's stem + .out");
   parser.add_flag("--resume", arguments.resume, "go on with the run that was stopped in DIR");
-  add_force_option(parser, arguments.force,
-                   "DIR need not be empty; only files that tomlin writes are replaced");
+  parser.add_flag("--force", arguments.force,
+                  "DIR need not be empty; only files that tomlin writes are replaced");
   parser.add_flag("--quiet", arguments.quiet, "print errors only");
   parser
       .add_option("--threads", arguments.threads,
@@ -159,7 +157,6 @@ void check(RunArguments& arguments) {
     refuse_command(FaultCode::command_conflict, "--resume continues a run, --force starts it again",
                    "one of them");
   }
-  read_settings(arguments);
 }
 
 int run_scene(const RunArguments& arguments) {
@@ -172,7 +169,7 @@ int run_scene(const RunArguments& arguments) {
   tell_of_plugins_in_a_crash(loaded_plugins());
   const auto scene = document->read(registry, arguments.settings);
   document.reset();  // may be large, and the run long
-  RunFolder folder(arguments.folder.value_or(default_folder(arguments.scene)), occupied(arguments));
+  RunFolder folder(folder_of(arguments), occupied(arguments));
   refuse_to_lose_inputs(folder, *scene, kFilesOfARun);
   Resumption found = resumption(arguments, folder, *scene);
   if (found.kind == Resumption::Kind::finished || found.kind == Resumption::Kind::failed) {
@@ -180,9 +177,6 @@ int run_scene(const RunArguments& arguments) {
   }
   folder.own(found.journal);
   note_missing_locks(folder, arguments.quiet);
-  // A full disk or a reader that went away is an error that is reported, not the end.
-  std::signal(SIGXFSZ, SIG_IGN);
-  std::signal(SIGPIPE, SIG_IGN);
   StopSignals signals;
   ProgressLine progress(arguments.quiet ? ProgressLine::Style::silent : progress_style(),
                         scene->run.accuracy ? "pilot: looking for the integrator" : "");

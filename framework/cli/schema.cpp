@@ -252,8 +252,8 @@ Json reference_to(const std::string& definition) {
   return only("$ref", "#/definitions/" + definition);
 }
 
-/// Whichever component of the kind `type` names: a chain of if, then and else, so that faults are
-/// told of the one that is meant.
+/// A component of the kind, the one that `type` names: a chain of if, then and else, so that faults
+/// are reported of the one that is meant.
 Json any_component(const std::string& kind, const std::vector<const ComponentRecord*>& records) {
   Json names = Json::array();
   Json summaries = Json::array();
@@ -289,7 +289,7 @@ void define_components(Json& definitions, const std::string& kind,
   std::vector<const ComponentRecord*> all;
   for (const auto& record : records) {
     Json own = own_keys_of(*record);
-    own["type"] = Json::object();  // is looked at before
+    own["type"] = Json::object();  // is checked before
     Json table = described(record->summary, table_schema(layout_of(*record), own));
     if constexpr (std::is_same_v<Record, ForceRecord>) {
       table["not"] = requires_keys({"body", "bodies"});

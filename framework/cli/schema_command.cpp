@@ -7,10 +7,9 @@
 #include "framework/cli/new_file.hpp"
 #include "framework/cli/options.hpp"
 #include "framework/cli/plugins.hpp"
-#include "framework/cli/print_result.hpp"
+#include "framework/cli/printable.hpp"
 #include "framework/cli/schema.hpp"
 #include "framework/cli/summary_schema.hpp"
-#include "framework/output/output_file.hpp"
 
 namespace tomlin {
 namespace {
@@ -45,7 +44,7 @@ void add_options(CLI::App& parser, SchemaArguments& arguments) {
                   "of summary.json, for programs that read results");
   parser.add_flag("--sweep", arguments.of_sweep, "of sweep.json, likewise")
       ->excludes(parser.get_option("--summary"));
-  add_force_option(parser, arguments.force, "replace a file that is there");
+  parser.add_flag("--force", arguments.force, "replace a file that is there");
 }
 
 void check(SchemaArguments& arguments) { refuse_empty(arguments.file, "-o"); }
@@ -59,9 +58,7 @@ int write_schema(const SchemaArguments& arguments) {
   const std::filesystem::path file = *arguments.file;
   refuse_to_replace(file, arguments.force);
   refuse_unwritable(file);
-  OutputFile output(file);
-  output.append(schema);
-  output.publish();
+  write_new_file(file, schema);
   if (arguments.of_summary || arguments.of_sweep) return print_result(file.string() + "\n");
   return print_result(file.string() +
                       ": a scene beside it names it in its first line\n  #:schema ./" +

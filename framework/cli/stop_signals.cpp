@@ -38,6 +38,9 @@ extern "C" void stop_the_run(int signal) {
 StopSignals::StopSignals() {
   g_stop = false;
   g_signal = 0;
+  // A full disk or a reader that went away is an error that is reported, not the end.
+  std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
   act_on_all(&stop_the_run);
 }
 

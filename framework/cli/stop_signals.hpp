@@ -7,7 +7,7 @@ namespace tomlin {
 /// While this lives, the first SIGINT or SIGTERM asks the run to stop and leave its results, and so
 /// does what batch systems and terminals send before they kill: SIGHUP, SIGUSR1, SIGXCPU. The
 /// second one kills. A signal that is ignored, as under nohup, stays ignored. There is one at a
-/// time.
+/// time. From then on failures to write are errors and no signals.
 class StopSignals {
  public:
   StopSignals();

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <charconv>
-#include <csignal>
 #include <cstddef>
 #include <filesystem>
 #include <optional>
@@ -18,10 +17,9 @@
 #include "framework/cli/build_version.hpp"
 #include "framework/cli/command.hpp"
 #include "framework/cli/exit_status.hpp"
-#include "framework/cli/inputs.hpp"
 #include "framework/cli/options.hpp"
 #include "framework/cli/plugins.hpp"
-#include "framework/cli/print_result.hpp"
+#include "framework/cli/printable.hpp"
 #include "framework/cli/progress.hpp"
 #include "framework/cli/recorded_sweep.hpp"
 #include "framework/cli/stop_signals.hpp"
@@ -137,22 +135,12 @@ bytes of a sweep that was left alone.
 Exit status: 0 every point has a row; 1 the results could not be written, or every point was refused;
 2 invalid input; nothing was written; 130 or 143 after an interrupt.)";
 
-std::string default_sweep_folder(const std::string& scene_file,
-                                 const std::optional<SweepPart>& shard) {
-  const std::string stem = fs::path(scene_file).stem().string() + ".sweep.";
-  return shard ? stem + fmt::format("{}-of-{}.out", shard->index + 1, shard->of) : stem + "out";
-}
-
 void add_options(CLI::App& parser, SweepArguments& arguments) {
   add_scene_options(parser, arguments);
-  parser.add_option("--over", arguments.over, "an axis: a name and its values")
-      ->type_name("NAME=VALUES")
-      ->option_text("NAME=VALUES ...")
-      ->allow_extra_args(false);
-  parser.add_option("--zip", arguments.zips, "axes that are one axis together")
-      ->type_name("NAME,NAME")
-      ->option_text("NAME,NAME ...")
-      ->allow_extra_args(false);
+  add_repeatable_option(parser, "--over", arguments.over, "NAME=VALUES",
+                        "an axis: a name and its values");
+  add_repeatable_option(parser, "--zip", arguments.zips, "NAME,NAME",
+                        "axes that are one axis together");
   parser.add_flag("--continue-from-neighbour", arguments.continues,
                   "each point starts where the one before it along the last axis has ended");
   parser
@@ -169,7 +157,8 @@ void add_options(CLI::App& parser, SweepArguments& arguments) {
       .add_option("--refine-to", arguments.refine_to,
                   "how narrow an interval becomes; 1e-4 of the axis by default")
       ->type_name("WIDTH");
-  add_observable_option(parser, arguments.observables);
+  add_repeatable_option(parser, "--observable", arguments.observables, "O",
+                        "a dotted path in summary.json");
   add_output_option(parser, arguments.folder, "DIR",
                     "folder for the results; SCENE's stem + .sweep.out, or .sweep.I-of-N.out");
   parser.add_option("--threads", arguments.threads, "how many; one for each processor by default")
@@ -184,12 +173,10 @@ void add_options(CLI::App& parser, SweepArguments& arguments) {
       ->type_name("I/N");
   parser.add_flag("--dry-run", arguments.dry_run,
                   "only show how many points there are and what they cost");
-  add_force_option(parser, arguments.force,
-                   "start over in DIR; only files that tomlin writes are replaced");
+  parser.add_flag("--force", arguments.force,
+                  "start over in DIR; only files that tomlin writes are replaced");
   parser.add_flag("--quiet", arguments.quiet, "print errors only");
 }
-
-void check(SweepArguments& arguments) { read_settings(arguments); }
 
 /// Reads what the options say of axes; adds a fault for each that says nothing.
 void read_axes(const std::vector<std::string>& options, SweepSettings& settings,
@@ -275,15 +262,20 @@ SweepSettings settings_of(const SceneDocument& document, const SweepArguments& a
   return settings;
 }
 
+std::optional<std::size_t> whole_number(std::string_view digits) {
+  std::size_t value = 0;
+  const char* const last = digits.data() + digits.size();
+  const auto [end, error] = std::from_chars(digits.data(), last, value);
+  return error == std::errc() && end == last ? std::optional(value) : std::nullopt;
+}
+
 /// "all", or rows and ranges of them: "0,5-7". Adds a fault for what is neither.
 std::vector<std::size_t> rows_in(const std::string& text, std::size_t points,
                                  std::vector<Fault>& faults) {
   std::vector<std::size_t> rows;
-  const auto number = [points](std::string_view digits) -> std::optional<std::size_t> {
-    std::size_t row = 0;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), row);
-    const bool whole = error == std::errc() && end == digits.data() + digits.size();
-    return whole && row < points ? std::optional(row) : std::nullopt;
+  const auto number = [points](std::string_view digits) {
+    const auto row = whole_number(digits);
+    return row && *row < points ? row : std::nullopt;
   };
   for (const std::string& part : names_in(text)) {
     const std::size_t dash = part.find('-');
@@ -308,10 +300,8 @@ std::vector<std::size_t> rows_in(const std::string& text, std::size_t points,
 std::optional<SweepPart> shard_of(const std::string& text, const SweepPlan& plan,
                                   std::vector<Fault>& faults) {
   const auto number = [](std::string_view digits) {
-    std::size_t value = 0;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    const bool whole = error == std::errc() && end == digits.data() + digits.size();
-    return whole && value <= kMostSweepPoints ? value : 0;
+    const std::size_t value = whole_number(digits).value_or(0);
+    return value <= kMostSweepPoints ? value : 0;
   };
   const std::string_view view = text;
   const std::size_t slash = std::min(view.find('/'), view.size());
@@ -387,7 +377,9 @@ struct RequestedSweep {
     if (!faults.empty()) throw InputError(std::move(faults));
     part = shard.value_or(SweepPart{});
     std::erase_if(traced, [this](std::size_t point) { return !part.has(point); });
-    path = arguments.folder.value_or(default_sweep_folder(arguments.scene, shard));
+    const std::string suffix =
+        shard ? fmt::format(".sweep.{}-of-{}.out", shard->index + 1, shard->of) : ".sweep.out";
+    path = folder_or_default(arguments.folder, arguments.scene, suffix);
   }
   RequestedSweep(const RequestedSweep&) = delete;
   RequestedSweep& operator=(const RequestedSweep&) = delete;
@@ -400,12 +392,6 @@ struct RequestedSweep {
   fs::path path;
 };
 
-// A full disk or a reader that went away is an error that is reported, not the end.
-void ignore_signals_of_writing() {
-  std::signal(SIGXFSZ, SIG_IGN);
-  std::signal(SIGPIPE, SIG_IGN);
-}
-
 int sweep(const SweepArguments& arguments) {
   RequestedSweep requested(arguments);
   SweepPlan& plan = requested.plan;
@@ -417,11 +403,7 @@ int sweep(const SweepArguments& arguments) {
 
   const fs::path& path = requested.path;
   RunFolder folder(path, occupied_by_sweep(path, plan, arguments.force), kSweepFiles);
-  refuse_to_lose_inputs(folder, plan.scene(), kSweepFiles, plan.scene_text());
-  if (arguments.force) refuse_to_lose_inputs(folder, plan.scene(), kFilesOfARun);
-  folder.own();
-  note_missing_locks(folder, arguments.quiet);
-  ignore_signals_of_writing();
+  own_sweep_folder(folder, plan, arguments.force, arguments.quiet);
   StopSignals signals;
   ProgressLine progress_line(arguments.quiet ? ProgressLine::Style::silent : progress_style());
   RecordedSweepOptions options;
@@ -442,10 +424,7 @@ int sweep(const SweepArguments& arguments) {
                                          where_the_sweep_is(folder) + "\n"));
   }
   if (!arguments.quiet) {
-    const int printed =
-        print_result(sweep_text(plan, run.progress, run.counts ? &*run.counts : nullptr,
-                                where_the_sweep_is(folder), run.shard, run.bisections));
-    status = std::max(status, printed);
+    status = std::max(status, print_result(sweep_text(plan, run, where_the_sweep_is(folder))));
   }
   const bool is_done = run.counts && run.progress.traces_left == 0;
   if (is_done) return status;
@@ -456,7 +435,7 @@ int sweep(const SweepArguments& arguments) {
 
 CommandRecord sweep_command() {
   return {"sweep", "many runs over values of parameters", kSweepFooter,
-          declared<SweepArguments>(add_options, check, sweep)};
+          declared<SweepArguments>(add_options, nullptr, sweep)};
 }
 
 }  // namespace tomlin

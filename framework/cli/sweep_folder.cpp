@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "framework/cli/inputs.hpp"
 #include "framework/core/text/fault.hpp"
 #include "framework/output/output_file.hpp"
 #include "framework/output/record.hpp"
@@ -60,6 +61,19 @@ Occupied occupied_by_sweep(const fs::path& folder, const SweepPlan& plan, bool f
                    "that version, another folder, or --force, which starts again");
   }
   return Occupied::refuse;
+}
+
+void own_sweep_folder(RunFolder& folder, const SweepPlan& plan, bool force, bool quiet) {
+  refuse_to_lose_inputs(folder, plan.scene(), kSweepFiles, plan.scene_text());
+  if (force) refuse_to_lose_inputs(folder, plan.scene(), kFilesOfARun);
+  folder.own();
+  note_missing_locks(folder, quiet);
+}
+
+void remove_sweep(RunFolder& folder) {
+  folder.remove_run();
+  folder.remove(kSweepJournalFile);
+  remove_points(folder.opened() / kPointsFolder);
 }
 
 bool holds_all_results(const RunFolder& folder) {

@@ -24,6 +24,12 @@ inline constexpr const char* kPointsFolder = "sweep.points";
 /// is of another one.
 Occupied occupied_by_sweep(const std::filesystem::path& folder, const SweepPlan& plan, bool force);
 
+/// Owns the folder. Throws InputError where results would replace what the scene reads.
+void own_sweep_folder(RunFolder& folder, const SweepPlan& plan, bool force, bool quiet);
+
+/// Removes all that a sweep, or a run, has left in a folder that is owned.
+void remove_sweep(RunFolder& folder);
+
 bool holds_all_results(const RunFolder& folder);
 /// "DIR/: sweep.json, sweep.csv"
 std::string where_the_sweep_is(const RunFolder& folder);

@@ -245,58 +245,53 @@ std::string sweep_progress_text(const SweepProgress& progress) {
                             rate > 0.0 ? duration_text(left / rate) : "?", rate);
 }
 
-std::string sweep_text(const SweepPlan& plan, const SweepProgress& progress,
-                       const SweepCounts* counts, const std::string& where,
-                       const std::optional<SweepPart>& shard,
-                       const std::vector<Bisection>& bisections) {
+std::string sweep_text(const SweepPlan& plan, const RecordedSweep& sweep,
+                       const std::string& where) {
+  const SweepProgress& progress = sweep.progress;
   std::string text;
-  if (counts == nullptr) {
+  if (!sweep.counts) {
     text = fmt::format("interrupted with {} of {} points; the same command goes on\n",
                        progress.with_row(), progress.points);
   } else {
-    text = counts_text(*counts);
+    text = counts_text(*sweep.counts);
     if (progress.traces_left > 0) {
       text += fmt::format("interrupted with {} traces left; the same command goes on\n",
                           progress.traces_left);
     }
   }
-  text += axes_and_observables(plan, shard);
-  text +=
-      refined_rows(plan, progress.points - std::min(progress.points, plan.points()), bisections);
-  if (counts != nullptr) text += remarks(plan, *counts);
+  text += axes_and_observables(plan, sweep.shard);
+  text += refined_rows(plan, progress.points - std::min(progress.points, plan.points()),
+                       sweep.bisections);
+  if (sweep.counts) text += remarks(plan, *sweep.counts);
   text += result_row(
       "time", fmt::format("{} for {} points, {:.3g} points/s", duration_text(progress.seconds),
                           progress.with_row() - progress.before, rate_of(progress)));
   return text + result_row("results", where);
 }
 
-std::string merge_text(const SweepPlan& plan, const SweepProgress& progress,
-                       const SweepCounts* counts, std::size_t first_missing,
-                       const std::string& where) {
-  std::string text;
-  if (counts != nullptr) {
-    text = counts_text(*counts);
-  } else {
-    text = fmt::format("{} of {} points are missing\n", progress.points - progress.with_row(),
-                       progress.points);
+std::string merge_text(const SweepPlan& plan, const RecordedSweep& merged,
+                       std::size_t first_missing, const std::string& where) {
+  const std::string axes = axes_and_observables(plan, std::nullopt);
+  const std::string results = result_row("results", where);
+  if (merged.counts) {
+    return counts_text(*merged.counts) + axes + remarks(plan, *merged.counts) + results;
   }
-  text += axes_and_observables(plan, std::nullopt);
-  if (counts != nullptr) {
-    text += remarks(plan, *counts);
-  } else {
-    text += result_row("missing", fmt::format("first point {}, {}", first_missing,
-                                              settings_text(plan, first_missing)));
-  }
-  return text + result_row("results", where);
+  const SweepProgress& progress = merged.progress;
+  return fmt::format("{} of {} points are missing\n", progress.points - progress.with_row(),
+                     progress.points) +
+         axes +
+         result_row("missing", fmt::format("first point {}, {}", first_missing,
+                                           settings_text(plan, first_missing))) +
+         results;
 }
 
-std::string sweep_json(const SweepPlan& plan, const SweepProgress& progress,
-                       const SweepCounts* counts, std::size_t threads,
-                       const std::optional<SweepPart>& shard,
-                       const std::vector<Bisection>& bisections) {
+std::string sweep_json(const SweepPlan& plan, const RecordedSweep& sweep, std::size_t threads) {
+  const SweepProgress& progress = sweep.progress;
+  const std::optional<SweepCounts>& counts = sweep.counts;
+  const std::optional<SweepPart>& shard = sweep.shard;
   const std::string& scene = plan.scene_text();
   Json json;
-  json["status"] = to_string(counts != nullptr ? RunStatus::finished : RunStatus::interrupted);
+  json["status"] = to_string(counts ? RunStatus::finished : RunStatus::interrupted);
   json["program"] = {
       {"name", "tomlin"}, {"version", plan.program_version()}, {"format", kSweepJsonFormat}};
   json["scene"] = {
@@ -313,20 +308,18 @@ std::string sweep_json(const SweepPlan& plan, const SweepProgress& progress,
         {{"path", one.path}, {"column", one.name}, {"unit", one.unit}, {"meaning", one.meaning}});
   }
   json["continue_from_neighbour"] = plan.line() > 1;
-  if (plan.refinement()) json["refine"] = refine_entry(plan, bisections);
+  if (plan.refinement()) json["refine"] = refine_entry(plan, sweep.bisections);
   json["points"] = plan.refinement() ? progress.points : plan.points();
   if (shard) {
     json["shard"] = {
         {"number", shard->index + 1}, {"of", shard->of}, {"points", shard->size(plan.points())}};
   }
   json["counts"] = Json::object();
-  if (counts != nullptr) {
+  json["warnings"] = Json::array();
+  if (counts) {
     for (std::size_t k = 0; k < kSweepStatuses; ++k) {
       json["counts"][to_string(static_cast<SweepStatus>(k))] = counts->by_status[k];
     }
-  }
-  json["warnings"] = Json::array();
-  if (counts != nullptr) {
     for (const auto& [code, warned] : counts->warnings) {
       json["warnings"].push_back({{"code", id_of(code)},
                                   {"meaning", kind_of(code).meaning},

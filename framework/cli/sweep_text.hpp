@@ -3,10 +3,8 @@
 #include <cstddef>
 #include <optional>
 #include <string>
-#include <vector>
 
-#include "framework/study/sweep/bisection.hpp"
-#include "framework/study/sweep/files.hpp"
+#include "framework/cli/recorded_sweep.hpp"
 #include "framework/study/sweep/part.hpp"
 #include "framework/study/sweep/runner.hpp"
 #include "framework/study/sweep/sweep_plan.hpp"
@@ -17,23 +15,15 @@ namespace tomlin {
 /// "37 %, 370 of 1000 points, 2 failed, 0:12 elapsed, 0:20 remaining, 31 points/s"
 std::string sweep_progress_text(const SweepProgress& progress);
 
-/// The result for people. `counts` are those of a complete sweep, or of a complete shard where
-/// there is one, else null.
-std::string sweep_text(const SweepPlan& plan, const SweepProgress& progress,
-                       const SweepCounts* counts, const std::string& where,
-                       const std::optional<SweepPart>& shard,
-                       const std::vector<Bisection>& bisections);
+/// The result for people; `where` says where the files are.
+std::string sweep_text(const SweepPlan& plan, const RecordedSweep& sweep, const std::string& where);
 
 /// The result of `tomlin merge`. `first_missing` is the first point without a row, if any.
-std::string merge_text(const SweepPlan& plan, const SweepProgress& progress,
-                       const SweepCounts* counts, std::size_t first_missing,
-                       const std::string& where);
+std::string merge_text(const SweepPlan& plan, const RecordedSweep& merged,
+                       std::size_t first_missing, const std::string& where);
 
 /// sweep.json; nothing but `performance` depends on how the sweep came to its end.
-std::string sweep_json(const SweepPlan& plan, const SweepProgress& progress,
-                       const SweepCounts* counts, std::size_t threads,
-                       const std::optional<SweepPart>& shard,
-                       const std::vector<Bisection>& bisections = {});
+std::string sweep_json(const SweepPlan& plan, const RecordedSweep& sweep, std::size_t threads);
 
 /// For --dry-run: points, and what they cost by a trial of one of them.
 std::string sweep_plan_text(const SweepPlan& plan, std::size_t threads,

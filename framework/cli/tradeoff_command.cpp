@@ -1,9 +1,5 @@
 #include <array>
 #include <chrono>
-#include <csignal>
-#include <cstddef>
-#include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,8 +11,6 @@
 #include "framework/cli/exit_status.hpp"
 #include "framework/cli/inputs.hpp"
 #include "framework/cli/options.hpp"
-#include "framework/cli/plugins.hpp"
-#include "framework/cli/print_result.hpp"
 #include "framework/cli/printable.hpp"
 #include "framework/cli/progress.hpp"
 #include "framework/cli/stop_signals.hpp"
@@ -27,7 +21,6 @@
 #include "framework/study/tradeoff/tradeoff.hpp"
 
 namespace tomlin {
-namespace fs = std::filesystem;
 namespace {
 
 struct TradeoffArguments : SceneOptions {
@@ -74,50 +67,21 @@ constexpr const char* kCsvFile = "tradeoff.csv";
 constexpr const char* kJsonFile = "tradeoff.json";
 constexpr std::array kFiles = {kCsvFile, kJsonFile};
 
-std::string default_folder(const std::string& scene_file) {
-  return fs::path(scene_file).stem().string() + ".tradeoff.out";
-}
-
 void print_note(const std::string& note) { print_error_line("note: " + note); }
-
-/// On a terminal one line that tells what is going on.
-class Progress {
- public:
-  explicit Progress(double budget)
-      : budget_(budget), on_(progress_style() == ProgressLine::Style::terminal) {}
-  ~Progress() { show(""); }
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
-
-  void tell(const std::string& what) {
-    const std::chrono::duration<double> used = std::chrono::steady_clock::now() - started_;
-    show(fmt::format("tomlin: {:.0f} of {:g} s, {}", used.count(), budget_, what));
-  }
-
- private:
-  void show(const std::string& line) {
-    if (!on_) return;
-    std::fputs(("\r" + line + std::string(width_ > line.size() ? width_ - line.size() : 0, ' ') +
-                (line.empty() ? "\r" : ""))
-                   .c_str(),
-               stderr);
-    std::fflush(stderr);
-    width_ = line.size();
-  }
-
-  double budget_;
-  bool on_;
-  std::size_t width_ = 0;
-  std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
-};
 
 Tradeoff measured(const std::shared_ptr<const Scene>& scene, const Registry& registry,
                   const TradeoffArguments& arguments, const StopSignals& signals) {
-  Progress progress(arguments.budget);
+  using Clock = std::chrono::steady_clock;
+  const bool on_terminal = progress_style() == ProgressLine::Style::terminal;
+  ProgressLine line(on_terminal ? ProgressLine::Style::terminal : ProgressLine::Style::silent);
+  const auto show = [&, started = Clock::now()](const std::string& what) {
+    const std::chrono::duration<double> used = Clock::now() - started;
+    line.show(fmt::format("{:.0f} of {:g} s, {}", used.count(), arguments.budget, what),
+              used.count());
+  };
   return measure_tradeoff(
       scene, registry,
-      {arguments.observable, arguments.tolerance, arguments.budget, &signals.stop(),
-       [&progress](const std::string& what) { progress.tell(what); }});
+      {arguments.observable, arguments.tolerance, arguments.budget, &signals.stop(), show});
 }
 
 void add_options(CLI::App& parser, TradeoffArguments& arguments) {
@@ -131,8 +95,8 @@ void add_options(CLI::App& parser, TradeoffArguments& arguments) {
       ->type_name("NEW.toml");
   add_output_option(parser, arguments.folder, "DIR",
                     "folder for the results; SCENE's stem + .tradeoff.out");
-  add_force_option(
-      parser, arguments.force,
+  parser.add_flag(
+      "--force", arguments.force,
       "DIR need not be empty, and NEW.toml may be there; what tomlin writes is replaced");
 }
 
@@ -140,21 +104,17 @@ void check(TradeoffArguments& arguments) {
   refuse_unless_positive(arguments.tolerance, "--tolerance");
   refuse_unless_positive(arguments.budget, "--budget");
   refuse_empty(arguments.write, "--write");
-  read_settings(arguments);
 }
 
 int measure(const TradeoffArguments& arguments) {
-  const SceneDocument document(arguments.scene);
-  const Registry registry = registry_with_plugins(arguments.plugins, {&document, 1});
-  const auto scene = document.read(registry, arguments.settings);
-  RunFolder folder(arguments.folder.value_or(default_folder(arguments.scene)),
+  const OpenedScene opened(arguments);
+  const auto& [document, registry, scene] = opened;
+  RunFolder folder(folder_or_default(arguments.folder, arguments.scene, ".tradeoff.out"),
                    arguments.force ? Occupied::replace_results : Occupied::refuse, kFiles);
   refuse_to_lose_inputs(folder, *scene, kFiles);
   if (arguments.write) check_new_scene(*arguments.write, arguments.scene, arguments.force);
   folder.own();
 
-  std::signal(SIGXFSZ, SIG_IGN);
-  std::signal(SIGPIPE, SIG_IGN);
   StopSignals signals;
   const Tradeoff tradeoff = measured(scene, registry, arguments, signals);
 

@@ -7,7 +7,6 @@
 
 #include "framework/cli/new_file.hpp"
 #include "framework/core/text/fault.hpp"
-#include "framework/output/output_file.hpp"
 #include "framework/scene/edit.hpp"
 
 namespace tomlin {
@@ -35,9 +34,7 @@ std::string write_scene(const std::string& file, const SceneDocument& document,
     const auto meant = document.read(registry, settings);
     const auto read = parse_scene(text, file, registry);
     if (read->effective_toml != meant->effective_toml) return "the text would mean another scene";
-    OutputFile output(file);
-    output.append(text);
-    output.publish();
+    write_new_file(file, text);
     return "";
   } catch (const InputError& error) {
     return error.what();

@@ -67,21 +67,19 @@ void add_lennard_jones(const SceneForce& force, LammpsTerms& terms) {
   const LammpsAtoms::Body& one = terms.atoms.bodies[low];
   const LammpsAtoms::Body& other = terms.atoms.bodies[high];
   if (d.entries.empty()) {
-    pairs.types = one.range() + " " + other.range();
-    pairs.coefficients = coefficients(d.epsilon, d.sigma);
+    pairs.coefficients.push_back(
+        {one.range() + " " + other.range(), coefficients(d.epsilon, d.sigma)});
   } else {
     // A line for each pair of types, of which LAMMPS wants the lower number first.
     for (std::size_t i = 0; i < one.types.size(); ++i) {
       for (std::size_t j = low == high ? i : 0; j < other.types.size(); ++j) {
         const auto pair =
             lennard_jones_of_all(d, {one.types[i].species}, {other.types[j].species}).at(0);
-        pairs.more.push_back({fmt::format("{} {}", one.first_type + i, other.first_type + j),
-                              coefficients(pair.epsilon, pair.sigma)});
+        pairs.coefficients.push_back(
+            {fmt::format("{} {}", one.first_type + i, other.first_type + j),
+             coefficients(pair.epsilon, pair.sigma)});
       }
     }
-    pairs.types = pairs.more.front()[0];
-    pairs.coefficients = pairs.more.front()[1];
-    pairs.more.erase(pairs.more.begin());
   }
   pairs.cutoff = d.cutoff;
   pairs.bodies = {low, high};
@@ -111,7 +109,7 @@ std::string tersoff_file(const SceneForce& force, bool has_species) {
 }
 
 /// LAMMPS takes the repulsion of two species from one of their two entries, which depends on the
-/// numbers of the atoms; here each has half of it. The key, and the species, where they differ.
+/// numbers of the atoms; here each has half of it. Returns the species where they differ.
 std::optional<std::string> unlike_repulsion(const TersoffDescription& d) {
   for (const TersoffEntry& one : d.known) {
     for (const TersoffEntry& other : d.known) {
@@ -143,15 +141,15 @@ void add_tersoff(const SceneForce& force, LammpsTerms& terms) {
   const bool has_species = !terms.atoms.bodies[body].types.front().species.empty();
   LammpsPairs pairs;
   pairs.style = "tersoff";
-  pairs.types = "* *";
-  pairs.coefficients = id_of(force, terms) + ".tersoff";
-  terms.files.push_back({pairs.coefficients, tersoff_file(force, has_species)});
+  std::string file_and_elements = id_of(force, terms) + ".tersoff";
+  terms.files.push_back({file_and_elements, tersoff_file(force, has_species)});
   for (std::size_t b = 0; b < terms.atoms.bodies.size(); ++b) {
     for (const LammpsAtoms::Type& type : terms.atoms.bodies[b].types) {
       const std::string& species = has_species ? type.species : d.known.front().species[0];
-      pairs.coefficients += " " + (b == body ? element_of(species) : "NULL");
+      file_and_elements += " " + (b == body ? element_of(species) : "NULL");
     }
   }
+  pairs.coefficients.push_back({"* *", std::move(file_and_elements)});
   for (const TersoffEntry& entry : d.known) {
     pairs.cutoff = std::max(pairs.cutoff, entry.numbers.r + entry.numbers.half_width);
   }
@@ -375,8 +373,9 @@ void add_damping(const SceneForce& force, LammpsTerms& terms) {
     return;
   }
   const double temperature = d.temperature / terms.units.temperature;
-  constexpr std::int64_t kSeeds = 900000000;
-  const std::int64_t seed = 1 + ((terms.model.scene().run.seed % kSeeds) + kSeeds) % kSeeds;
+  constexpr std::int64_t kLargestSeed = 900000000;  // that LAMMPS takes
+  const std::int64_t seed =
+      1 + ((terms.model.scene().run.seed % kLargestSeed) + kLargestSeed) % kLargestSeed;
   // Its friction is mass/damp for each mass; "scale" makes one coefficient of them.
   std::string scales;
   const double first_mass = atoms.types.front().mass;
@@ -409,14 +408,6 @@ constexpr std::array kTranslations = {
     LammpsTranslation{"sinusoidal_substrate", &add_sinusoidal_substrate},
 };
 
-std::string list_of_translated() {
-  std::string list;
-  for (const LammpsTranslation& one : kTranslations) {
-    list += fmt::format("{}{}", list.empty() ? "" : ", ", one.force);
-  }
-  return list;
-}
-
 }  // namespace
 
 void add_lammps_force(const SceneForce& force, LammpsTerms& terms) {
@@ -435,8 +426,10 @@ void add_lammps_force(const SceneForce& force, LammpsTerms& terms) {
         return force.record->library.empty() && force.record->name == one.force;
       });
   if (found == kTranslations.end()) {
+    std::vector<const char*> translated;
+    for (const LammpsTranslation& one : kTranslations) translated.push_back(one.force);
     refuse(force, "type", "\"" + force.record->name + "\"", "has no exact counterpart in LAMMPS",
-           list_of_translated(), terms);
+           fmt::format("{}", fmt::join(translated, ", ")), terms);
     return;
   }
   found->add(force, terms);

@@ -311,8 +311,7 @@ class LammpsScript {
                              std::count_if(from, from + static_cast<std::ptrdiff_t>(k + 1), alike));
       }
       line("# {}", pairs.comment);
-      line("pair_coeff {} {} {}", pairs.types, style, pairs.coefficients);
-      for (const auto& [types, coefficients] : pairs.more) {
+      for (const auto& [types, coefficients] : pairs.coefficients) {
         line("pair_coeff {} {} {}", types, style, coefficients);
       }
       if (!pairs.modify.empty()) line("pair_modify pair {} {}", style, pairs.modify);
@@ -339,17 +338,17 @@ class LammpsScript {
   void write_neighbours() {
     double longest = 0.0;
     for (const LammpsPairs& pairs : terms_.pairs) longest = std::max(longest, pairs.cutoff);
-    constexpr double kSkin = 0.15;  // of the longest cutoff
-    constexpr double kStretched = 3.0;
+    constexpr double kSkin = 0.15;           // of the longest cutoff
+    constexpr double kLongestStretch = 3.0;  // longest bond in a run / at its start
     line("# Lists of neighbours are renewed once an atom has moved by half the skin.");
     const double skin = kSkin * (longest > 0.0 ? longest : box_.size);
     line("neighbor {} bin", lammps_number(skin));
     line("neigh_modify every 1 delay 0 check yes");
     if (!terms_.bonds.empty()) {
-      line("# Ends of bonds are found within {} times the longest bond.", kStretched);
+      line("# Ends of bonds are found within {} times the longest bond.", kLongestStretch);
     }
     if (!terms_.bonds.empty() || longest == 0.0) {
-      line("comm_modify cutoff {}", lammps_number(skin + kStretched * terms_.longest_bond));
+      line("comm_modify cutoff {}", lammps_number(skin + kLongestStretch * terms_.longest_bond));
     }
     text_ += '\n';
   }
@@ -458,9 +457,10 @@ class LammpsScript {
 
   /// Whole steps; a shorter one at the end is left out.
   static std::int64_t steps_in(double duration, double step) {
-    constexpr double kMost = 9e15;
-    constexpr double kRounding = 1e-9;
-    return static_cast<std::int64_t>(std::min(std::floor(duration / step + kRounding), kMost));
+    constexpr double kMostSteps = 9e15;        // every whole number up to it is a double
+    constexpr double kRoundingOfSteps = 1e-9;  // in steps
+    return static_cast<std::int64_t>(
+        std::min(std::floor(duration / step + kRoundingOfSteps), kMostSteps));
   }
 
   const LammpsTerms& terms_;
@@ -482,8 +482,8 @@ std::string lammps_group(std::size_t body) { return fmt::format("body{}", body +
 std::string lammps_number(double number) { return fmt::format("{}", number); }
 
 std::string lammps_comment(const std::string& text) {
-  constexpr std::size_t kLongest = 200;
-  std::string plain = text.substr(0, kLongest);
+  constexpr std::size_t kLongestComment = 200;  // bytes: lines of LAMMPS have an end
+  std::string plain = text.substr(0, kLongestComment);
   for (char& c : plain) {
     if (c < ' ' || c > '~' || c == '&' || c == '"' || c == '\'' || c == '$') c = '_';
   }

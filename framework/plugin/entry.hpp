@@ -8,7 +8,7 @@
 /// Registry that it is handed: it resolves no symbol of the program's, so that the program exports
 /// none, two plugins cannot get into each other's way, and any program that links tomlin's
 /// libraries can load it. What crosses the border is then the layout of the types in
-/// framework/core, which the note (note.hpp) tells, and exceptions and memory, which are the C++
+/// framework/core, which the note (note.hpp) states, and exceptions and memory, which are the C++
 /// library's and shared.
 namespace tomlin {
 

@@ -73,21 +73,15 @@ std::string load(const PluginRequest& request, const PluginFile& file, Registry&
   loaded().push_back(request.path.string());
   Registry added;
   if (std::string why = register_components(request.path, added); !why.empty()) return why;
-  const auto first_taken = [&registry](const auto& records) {
+  std::string why;
+  for_each_kind(added, [&](const auto& records) {
     for (const auto& record : records) {
-      if (std::string why = taken(registry, *record); !why.empty()) return why;
+      if (why.empty()) why = taken(registry, *record);
     }
-    return std::string();
-  };
-  for (const std::string& why :
-       {first_taken(added.bodies()), first_taken(added.forces()), first_taken(added.integrators()),
-        first_taken(added.observers())}) {
-    if (!why.empty()) return why;
-  }
-  hand_over(added.bodies(), file, request.path, registry);
-  hand_over(added.forces(), file, request.path, registry);
-  hand_over(added.integrators(), file, request.path, registry);
-  hand_over(added.observers(), file, request.path, registry);
+  });
+  if (!why.empty()) return why;
+  for_each_kind(added,
+                [&](const auto& records) { hand_over(records, file, request.path, registry); });
   registry.add(Library{request.given, request.path.string(), file.hash, request.everywhere});
   return "";
 }
@@ -123,7 +117,6 @@ PluginFile examine_plugin(const fs::path& path) {
     return file;
   }
   file.number_types = note->number_types;
-  file.instruction_sets = note->instruction_sets;
   file.why = mismatch(*note, own_note());
   if (file.why.empty() && !holds(file.number_types, NumberType::double_precision))
     file.why = "it has no doubles";

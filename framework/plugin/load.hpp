@@ -23,7 +23,6 @@ struct PluginRequest {
 struct PluginFile {
   std::string hash;  ///< of its content, where it could be read
   std::vector<std::string> number_types;
-  std::vector<std::string> instruction_sets;
   std::string why;                                 ///< empty when it may be loaded
   FaultCode code = FaultCode::plugin_cannot_load;  ///< of `why`
 };

@@ -12,7 +12,7 @@ struct PluginNote {
   int api = 0;                            ///< TOMLIN_PLUGIN_API
   std::string release;                    ///< of tomlin
   std::string abi;                        ///< the C++ library, whose types cross the border
-  std::string compiler;                   ///< told, not compared: those that share an ABI get on
+  std::string compiler;                   ///< stated, not compared: those that share an ABI get on
   std::string border;                     ///< hash of the headers whose types cross the border
   std::vector<std::string> number_types;  ///< "double", "quadruple"
   std::vector<std::string> instruction_sets;  ///< "baseline", "avx2", "avx512"

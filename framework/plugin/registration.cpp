@@ -68,20 +68,6 @@ std::string description_fault(const Records& records) {
   return "";
 }
 
-std::string description_fault(const Registry& registry) {
-  for (const std::string& why :
-       {description_fault(registry.bodies()), description_fault(registry.forces()),
-        description_fault(registry.integrators()), description_fault(registry.observers())}) {
-    if (!why.empty()) return why;
-  }
-  return "";
-}
-
-bool is_empty(const Registry& registry) {
-  return registry.bodies().empty() && registry.forces().empty() && registry.integrators().empty() &&
-         registry.observers().empty();
-}
-
 /// In the child: nobody waits for a core, and what it prints is printed again when it is loaded.
 [[noreturn]] void register_and_leave(const std::filesystem::path& library, int answers) {
   const rlimit none = {0, 0};
@@ -128,7 +114,7 @@ std::string answer_of(int answers, std::chrono::steady_clock::time_point until) 
 
 /// Waits for the end of a child until its time is up, then kills it. Its state.
 int end_of(pid_t child, std::chrono::steady_clock::time_point until, bool& killed) {
-  constexpr timespec kLookEvery = {0, 1'000'000};
+  constexpr timespec kPollInterval = {0, 1'000'000};
   int state = 0;
   while (true) {
     const pid_t ended = ::waitpid(child, &state, WNOHANG);
@@ -136,7 +122,7 @@ int end_of(pid_t child, std::chrono::steady_clock::time_point until, bool& kille
     if (std::chrono::steady_clock::now() >= until && !std::exchange(killed, true)) {
       ::kill(child, SIGKILL);
     }
-    ::nanosleep(&kLookEvery, nullptr);
+    ::nanosleep(&kPollInterval, nullptr);
   }
 }
 
@@ -144,7 +130,7 @@ int end_of(pid_t child, std::chrono::steady_clock::time_point until, bool& kille
 
 std::string register_components(const std::filesystem::path& library, Registry& registry) {
   const KeptArithmetic kept;
-  // Absolute, so that no search path is looked into; now, so that what is missing shows.
+  // Absolute, so that no search path is used; now, so that what is missing shows.
   void* const handle = ::dlopen(std::filesystem::absolute(library).c_str(), RTLD_NOW | RTLD_LOCAL);
   if (handle == nullptr) return loader_message(library);
   void* const symbol = ::dlsym(handle, kPluginEntry);
@@ -155,7 +141,13 @@ std::string register_components(const std::filesystem::path& library, Registry& 
     message.back() = '\0';
     return fmt::format("registering failed: {}", message.data());
   }
-  return is_empty(registry) ? "it registers no component" : description_fault(registry);
+  bool is_empty = true;
+  std::string why;
+  for_each_kind(registry, [&](const auto& records) {
+    is_empty = is_empty && records.empty();
+    if (why.empty()) why = description_fault(records);
+  });
+  return is_empty ? "it registers no component" : why;
 }
 
 std::string probe_registration(const std::filesystem::path& library, double seconds) {

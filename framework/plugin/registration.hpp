@@ -7,6 +7,15 @@
 
 namespace tomlin {
 
+/// Calls `visit` with the list of records of each kind.
+template <class Visit>
+void for_each_kind(const Registry& registry, Visit visit) {
+  visit(registry.bodies());
+  visit(registry.forces());
+  visit(registry.integrators());
+  visit(registry.observers());
+}
+
 /// Loads a library, which then stays, and lets it add its components to `registry`. What was wrong;
 /// empty when nothing was.
 std::string register_components(const std::filesystem::path& library, Registry& registry);

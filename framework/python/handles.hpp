@@ -93,6 +93,13 @@ class Unlocked {
   PyThreadState* state_;
 };
 
+/// Returns the result of `work`, which is done with the interpreter's lock released.
+template <class Work>
+auto without_lock(Work work) {
+  const Unlocked unlocked;
+  return work();
+}
+
 bool is_main_thread();
 
 /// Reports the progress of a call to a Python function; holds the interpreter's lock for as long as
@@ -159,7 +166,7 @@ py::dict layout_of(const MemorySink& kept);
 py::list events_of(const MemorySink& kept);
 
 void define_scenes(py::module_& module);
-/// What figures need beside samples: shapes, potentials, names of results.
+/// Figures need these beside samples: shapes, potentials, names of results.
 void define_figures(py::module_& module, py::class_<SceneHandle>& scene);
 void define_runs(py::module_& module);
 void define_simulations(py::module_& module);

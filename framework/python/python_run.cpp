@@ -75,10 +75,7 @@ std::unique_ptr<RunHandle> run_in_memory(const SceneHandle& scene, std::size_t t
   options.sink = &handle->kept;
   options.stop = &guard.stop();
   if (show) options.on_progress = [&](const RunProgress& now) { show(guard.stop(), now); };
-  {
-    const Unlocked unlocked;
-    handle->result = run(scene.scene, options);
-  }
+  handle->result = without_lock([&] { return run(scene.scene, options); });
   show.rethrow();
   return handle;
 }
@@ -110,11 +107,8 @@ std::unique_ptr<RunHandle> run_in_folder(const SceneHandle& scene, const std::st
   options.stop = &guard.stop();
   options.on_trouble = [&guard] { guard.stop() = true; };
   if (show) options.on_progress = [&](const RunProgress& now) { show(guard.stop(), now); };
-  RecordedRun recorded;
-  {
-    const Unlocked unlocked;
-    recorded = record_run(folder, scene.scene, *scene.registry, std::move(found), options);
-  }
+  RecordedRun recorded = without_lock(
+      [&] { return record_run(folder, scene.scene, *scene.registry, std::move(found), options); });
   show.rethrow();
   if (recorded.trouble) throw OutputError(*recorded.trouble);
   auto handle = std::make_unique<RunHandle>();
@@ -162,11 +156,8 @@ py::array samples_of(const py::object& self) {
 
 /// Positions of a trajectory [frame, particle, axis], with three axes whatever the scene has.
 py::array positions_in(const std::string& file) {
-  auto read = std::make_unique<Hdf5Numbers>();
-  {
-    const Unlocked unlocked;
-    *read = read_hdf5(file, "particles/all/position/value");
-  }
+  auto read = std::make_unique<Hdf5Numbers>(
+      without_lock([&] { return read_hdf5(file, "particles/all/position/value"); }));
   const Hdf5Numbers& found = *read;
   const py::capsule owner(read.release(), [](void* it) { delete static_cast<Hdf5Numbers*>(it); });
   return numbers_of(owner, found.numbers.data(), {found.shape.begin(), found.shape.end()});

@@ -58,11 +58,9 @@ std::string tradeoff(const SceneHandle& handle, const std::string& observable, d
   ProgressCall show(progress);
   TradeoffRequest request{observable, tolerance, budget, &guard.stop()};
   if (show) request.on_progress = [&](const std::string& what) { show(guard.stop(), what); };
-  std::string json;
-  {
-    const Unlocked unlocked;
-    json = tradeoff_json(*handle.scene, measure_tradeoff(handle.scene, *handle.registry, request));
-  }
+  const std::string json = without_lock([&] {
+    return tradeoff_json(*handle.scene, measure_tradeoff(handle.scene, *handle.registry, request));
+  });
   show.rethrow();
   return json;
 }
@@ -76,19 +74,13 @@ py::tuple compare(const std::vector<SceneHandle>& handles, const std::string& ob
   for (const SceneHandle& handle : handles) scenes.push_back(handle.scene);
   CompareRequest request{observable, tolerance, &guard.stop()};
   if (show) request.on_progress = [&](const std::string& what) { show(guard.stop(), what); };
-  Comparison comparison;
-  std::string json;
-  {
-    const Unlocked unlocked;
-    comparison = compare_models(scenes, request);
-    json = compare_json(comparison);
-  }
+  const Comparison comparison = without_lock([&] { return compare_models(scenes, request); });
   show.rethrow();
   py::list curves;
   for (const ComparedModel& model : comparison.models) {
     curves.append(py::make_tuple(py::array(py::cast(model.way)), py::array(py::cast(model.force))));
   }
-  return py::make_tuple(json, curves);
+  return py::make_tuple(compare_json(comparison), curves);
 }
 
 }  // namespace
@@ -147,17 +139,13 @@ void define_scenes(py::module_& module) {
                              [](const SceneHandle& it) { return it.scene->effective_toml; })
       .def("explain_json",
            [](const SceneHandle& it, double seconds) {
-             const Unlocked unlocked;
-             return explanation_json(explain(it.scene, seconds));
+             return without_lock([&] { return explanation_json(explain(it.scene, seconds)); });
            })
       .def("check_json",
            [](const SceneHandle& it, std::uint64_t seed) {
              InterruptGuard guard;
-             std::string json;
-             {
-               const Unlocked unlocked;
-               json = check_json(it.scene, seed, &guard.stop());
-             }
+             std::string json =
+                 without_lock([&] { return check_json(it.scene, seed, &guard.stop()); });
              if (guard.stop()) {
                PyErr_SetNone(PyExc_KeyboardInterrupt);
                throw py::error_already_set();

@@ -127,12 +127,10 @@ RunOptions Simulation::options(RunSink& sink, const std::vector<std::byte>* resu
 bool Simulation::advance(double to, std::uint64_t most_steps) {
   InterruptGuard guard;
   ProgressCall signals{py::none()};
-  bool is_there = false;
-  {
-    const Unlocked unlocked;
+  const bool is_there = without_lock([&] {
     if (has_more_than_numbers() && !done()) before_ = {numbers(), kept_.size(), true};
-    is_there = take_steps(to, most_steps, guard.stop(), &signals);
-  }
+    return take_steps(to, most_steps, guard.stop(), &signals);
+  });
   signals.rethrow();
   return is_there;
 }
@@ -141,10 +139,10 @@ bool Simulation::advance(double to, std::uint64_t most_steps) {
 bool Simulation::take_steps(double to, std::uint64_t most_steps, std::atomic<bool>& stop,
                             ProgressCall* signals) {
   using Clock = std::chrono::steady_clock;
-  constexpr std::chrono::milliseconds kLookEvery{50};
+  constexpr std::chrono::milliseconds kSignalInterval{50};
   constexpr std::uint64_t kMostAtOnce = std::uint64_t{1} << 32;  // steps; doubled, still a number
   std::uint64_t at_once = 1;
-  auto looked = Clock::now();
+  auto last_look = Clock::now();
   const double dt = engine_->context().plan.dt;
   const double early = dt > 0.0 ? kNoStep * dt : 0.0;
   const std::uint64_t last = engine_->steps() + std::min(most_steps, ~engine_->steps());
@@ -159,10 +157,10 @@ bool Simulation::take_steps(double to, std::uint64_t most_steps, std::atomic<boo
     const auto before = Clock::now();
     engine_->advance(std::min(most, at_once));
     const auto after = Clock::now();
-    at_once = after - before < kLookEvery / 4 ? std::min(2 * at_once, kMostAtOnce)
-                                              : std::max<std::uint64_t>(1, at_once / 2);
-    if (signals == nullptr || !*signals || after - looked < kLookEvery) continue;
-    looked = after;
+    at_once = after - before < kSignalInterval / 4 ? std::min(2 * at_once, kMostAtOnce)
+                                                   : std::max<std::uint64_t>(1, at_once / 2);
+    if (signals == nullptr || !*signals || after - last_look < kSignalInterval) continue;
+    last_look = after;
     (*signals)(stop);
   }
   // Whether a run is over shows where its next step would be.
@@ -310,6 +308,15 @@ std::unique_ptr<RunHandle> Simulation::result() {
   return handle_of(other.end());
 }
 
+/// A method that one thread at a time may call.
+template <class Value, class... Arguments>
+auto alone(Value (Simulation::*method)(Arguments...)) {
+  return [method](Simulation& it, Arguments... arguments) {
+    const Simulation::Use use(it);
+    return (it.*method)(arguments...);
+  };
+}
+
 py::array view_of(const py::object& self, const std::vector<double>& (Simulation::*read)()) {
   auto& simulation = self.cast<Simulation&>();
   const Simulation::Use use(simulation);
@@ -342,21 +349,9 @@ void define_simulations(py::module_& module) {
           "velocities", [](const py::object& it) { return view_of(it, &Simulation::velocities); })
       .def_property_readonly("forces",
                              [](const py::object& it) { return view_of(it, &Simulation::forces); })
-      .def("driver_force",
-           [](Simulation& it, std::size_t driver) {
-             const Simulation::Use use(it);
-             return it.driver_force(driver);
-           })
-      .def_property_readonly("kinetic_energy",
-                             [](Simulation& it) {
-                               const Simulation::Use use(it);
-                               return it.kinetic_energy();
-                             })
-      .def_property_readonly("potential_energy",
-                             [](Simulation& it) {
-                               const Simulation::Use use(it);
-                               return it.potential_energy();
-                             })
+      .def("driver_force", alone(&Simulation::driver_force))
+      .def_property_readonly("kinetic_energy", alone(&Simulation::kinetic_energy))
+      .def_property_readonly("potential_energy", alone(&Simulation::potential_energy))
       .def("save",
            [](Simulation& it) {
              const Simulation::Use use(it);
@@ -373,11 +368,7 @@ void define_simulations(py::module_& module) {
              const auto* bytes = reinterpret_cast<const std::byte*>(numbers.data());
              it.restore({{bytes, bytes + numbers.size()}, {samples, events}, is_over});
            })
-      .def("result",
-           [](Simulation& it) {
-             const Simulation::Use use(it);
-             return it.result();
-           })
+      .def("result", alone(&Simulation::result))
       .def("samples",
            [](Simulation& it) {
              const Simulation::Use use(it);

@@ -25,7 +25,6 @@
 #include <pybind11/stl.h>
 
 #include "framework/cli/build_version.hpp"
-#include "framework/cli/inputs.hpp"
 #include "framework/cli/recorded_sweep.hpp"
 #include "framework/cli/sweep_folder.hpp"
 #include "framework/cli/sweep_text.hpp"
@@ -70,7 +69,6 @@ struct SweepHandle {
     std::vector<double> numbers;     ///< [row]
     std::vector<std::string> words;  ///< [row]; of an axis that is not numeric
   };
-  SceneHandle scene;
   std::vector<Axis> axes;
   std::vector<std::size_t> shape;                   ///< one number, of points, with a refinement
   std::vector<std::array<std::string, 3>> columns;  ///< name, unit, meaning
@@ -306,10 +304,7 @@ struct WorkerPlan {
         std::filesystem::exists(std::filesystem::path(*folder) / kSweepJournalFile, error)) {
       options.folder = std::filesystem::path(*folder) / kPointsFolder;
     }
-    {
-      const Unlocked unlocked;
-      run_sweep(plan, rows, options);
-    }
+    without_lock([&] { return run_sweep(plan, rows, options); });
     py::list all;
     for (const SentRow& row : rows.rows()) all.append(to_python(row));
     return all;
@@ -328,8 +323,7 @@ std::unique_ptr<SweepHandle> sweep(const SceneHandle& scene, SweepRequest reques
   std::atomic<bool>& stop = guard ? guard->stop() : never;
   ProgressCall show(is_elsewhere ? py::none() : std::move(request.progress));
   auto handle = std::make_unique<SweepHandle>();
-  handle->scene = scene;
-  const auto tell = [&](const SweepProgress& now) {
+  const auto report = [&](const SweepProgress& now) {
     show(stop, sweep_progress_text(now), now.with_row(), now.points);
   };
   const auto run_elsewhere = [&request](const SweepPlan& plan, SweepRows& rows,
@@ -348,15 +342,12 @@ std::unique_ptr<SweepHandle> sweep(const SceneHandle& scene, SweepRequest reques
     options.threads = threads;
     options.begins_anew = request.force;
     options.stop = &stop;
-    if (show) options.on_progress = tell;
+    if (show) options.on_progress = report;
     if (is_elsewhere) options.run_points = run_elsewhere;
     if (request.folder) {
       RunFolder folder(*request.folder, occupied_by_sweep(*request.folder, plan, request.force),
                        kSweepFiles);
-      refuse_to_lose_inputs(folder, plan.scene(), kSweepFiles, plan.scene_text());
-      if (request.force) refuse_to_lose_inputs(folder, plan.scene(), kFilesOfARun);
-      folder.own();
-      note_missing_locks(folder, false);
+      own_sweep_folder(folder, plan, request.force, false);
       const RecordedSweep recorded = record_sweep(folder, plan, options);
       handle->complete = recorded.over_before || recorded.counts.has_value();
       const SweepJournal journal(folder.file(kSweepJournalFile), plan, SweepJournal::Use::read);
@@ -370,12 +361,12 @@ std::unique_ptr<SweepHandle> sweep(const SceneHandle& scene, SweepRequest reques
       in_memory.on_progress = options.on_progress;
       in_memory.run_points = options.run_points;
       if (plan.refinement()) in_memory.add_points = [&] { return bisection.add_points(); };
-      const SweepProgress progress = run_sweep(plan, journal, in_memory);
-      handle->complete = progress.complete();
-      std::optional<SweepCounts> counts;
-      if (progress.complete()) counts = count_rows(plan, journal);
-      handle->summary = sweep_json(plan, progress, counts ? &*counts : nullptr, threads,
-                                   std::nullopt, bisection.all());
+      RecordedSweep recorded;
+      recorded.progress = run_sweep(plan, journal, in_memory);
+      recorded.bisections = bisection.all();
+      handle->complete = recorded.progress.complete();
+      if (handle->complete) recorded.counts = count_rows(plan, journal);
+      handle->summary = sweep_json(plan, recorded, threads);
       read_rows(plan, journal, *handle);
     }
   }

@@ -7,10 +7,10 @@
 namespace tomlin::kim {
 namespace {
 
-/// Distances have this room for rounding: models compare them once more.
-constexpr double kRoundingRoom = 1.0 + 1e-9;
-/// Kept where positions are about to move.
-constexpr double kMovingRoom = 1.02;
+/// Factor of distances that allows for rounding: models compare them once more.
+constexpr double kRoundingMargin = 1.0 + 1e-9;
+/// Factor of distances where positions are about to move.
+constexpr double kMovementMargin = 1.02;
 
 constexpr int kImageBits = 8;
 constexpr int kMiddleImage = 1 << (kImageBits - 1);
@@ -143,9 +143,9 @@ void Configuration::assemble(const Surroundings& around) {
   whole_ = true;
   contributing_.resize(around.count());
   for (std::uint32_t i = 0; i < around.count(); ++i) contributing_[i] = key_of(i, {});
-  see_others(around, kRoundingRoom * reach_);
+  see_others(around, kRoundingMargin * reach_);
   place_all(around);
-  list_neighbours(around, kRoundingRoom);
+  list_neighbours(around, kRoundingMargin);
 }
 
 void Configuration::assemble_about(const Surroundings& around, std::uint32_t particle) {
@@ -155,9 +155,9 @@ void Configuration::assemble_about(const Surroundings& around, std::uint32_t par
     contributing_.push_back(key_of(other, image));
   });
   std::sort(contributing_.begin(), contributing_.end());
-  see_others(around, kMovingRoom * reach_);
+  see_others(around, kMovementMargin * reach_);
   place_all(around);
-  list_neighbours(around, kMovingRoom);
+  list_neighbours(around, kMovementMargin);
 }
 
 /// Adds all within reach of those that contribute. If all do, the images are those around the

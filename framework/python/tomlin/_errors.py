@@ -1,4 +1,4 @@
-"""What tomlin raises."""
+"""Exceptions of tomlin, and checks of arguments."""
 
 from __future__ import annotations
 
@@ -77,6 +77,11 @@ def core_of(scene: Any) -> _core.Scene:
     if not isinstance(core, _core.Scene):
         raise TypeError(f"a tomlin.Scene, not {type(scene).__name__}; tomlin.load reads files")
     return core
+
+
+def core_value(name: str, doc: str) -> Any:
+    """A property that hands out what the extension module has under this name."""
+    return property(operator.attrgetter(f"_core.{name}"), doc=doc)
 
 
 def typed(value: Any, name: str, types: type | tuple[type, ...], what: str) -> Any:

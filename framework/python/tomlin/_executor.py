@@ -24,7 +24,7 @@ _SECONDS_AFTER_AN_END = 1.0  # for workers that Ctrl-C has reached as well
 
 @dataclass(frozen=True)
 class Job:
-    """What a worker makes the plan of a sweep from: plain values, so that it can be sent."""
+    """A worker makes the plan of a sweep from these plain values, which can be sent."""
 
     text: str
     file: bytes
@@ -45,7 +45,7 @@ class Job:
 
 
 def request_of(values: dict[str, Any]) -> _core.SweepRequest:
-    """What a sweep is, but for where and how it is run."""
+    """Describes a sweep, but for where and how it is run."""
     request = _core.SweepRequest()
     for name, value in values.items():
         setattr(request, name, value)

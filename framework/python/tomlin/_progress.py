@@ -12,7 +12,7 @@ from tomlin._errors import typed
 
 @contextmanager
 def shown(progress: bool | None | Callable[..., Any]) -> Iterator[Callable[..., Any] | None]:
-    """What the library is to call: None, the caller's own function, or one that writes a line."""
+    """The function that the library calls: None, the caller's own, or one that writes a line."""
     if not progress:
         yield None
         return

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-_AXES = "xyz"
+AXES = "xyz"
 
 
 class Vector(tuple[Any, ...]):
@@ -20,7 +20,7 @@ class Vector(tuple[Any, ...]):
     """
 
     def __getattr__(self, name: str) -> Any:
-        axis = _AXES.find(name) if len(name) == 1 else -1
+        axis = AXES.find(name) if len(name) == 1 else -1
         if 0 <= axis < len(self):
             return self[axis]
         raise AttributeError(f"a vector of {len(self)} components has no {name!r}")
@@ -70,7 +70,7 @@ class Record(dict[str, Any]):
 
 
 def wrapped(value: Any) -> Any:
-    """As it is handed out: dicts as records, lists of numbers as vectors."""
+    """Hands out dicts as records, and lists of numbers as vectors."""
     if isinstance(value, dict) and not isinstance(value, Record):
         return Record(value)
     if isinstance(value, list):

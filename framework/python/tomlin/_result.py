@@ -14,13 +14,11 @@ from numpy.typing import NDArray
 
 from tomlin import _core
 from tomlin._errors import OutputError, QuantityError, RunError, SceneError, no_such_name
-from tomlin._record import Record, shown, table_html, wrapped
+from tomlin._record import AXES, Record, shown, table_html, wrapped
 from tomlin._tables import EVENT_FIELDS, read_events, read_samples
 
 if TYPE_CHECKING:
     from tomlin._scene import Scene
-
-_AXES = "xyz"
 
 
 class Table(np.ndarray[Any, Any]):
@@ -111,7 +109,7 @@ def events_table(events: Sequence[tuple[Any, ...]]) -> Table:
 
 
 class Result:
-    """What a run has found.
+    """The result of a run.
 
     Every number of ``summary.json`` is found by its dotted path, with the leading "drivers." or
     "bodies." optional and components by letter, and the same as attributes; None is undefined.
@@ -167,7 +165,7 @@ class Result:
 
     @cached_property
     def summary(self) -> dict[str, Any]:
-        """What ``summary.json`` says, as a dict of plain Python values; None is undefined."""
+        """The content of ``summary.json`` as a dict of plain Python values; None is undefined."""
         if self._run is not None:
             return dict(json.loads(self._run.summary_json()))
         assert self._folder is not None
@@ -218,7 +216,7 @@ class Result:
 
     @property
     def folder(self) -> Path | None:
-        """Where its files are; None of a run in memory."""
+        """The folder of its files; None of a run in memory."""
         return self._folder
 
     @cached_property
@@ -428,8 +426,8 @@ def _with_positions(table: Table, positions: NDArray[np.float64]) -> Table:
 
 def _paths(node: Any, above: str = "") -> list[str]:
     """Of all numbers, without the leading "drivers." and "bodies."."""
-    if isinstance(node, list) and 0 < len(node) <= len(_AXES):
-        return [f"{above}.{axis}" for axis, _ in zip(_AXES, node)]
+    if isinstance(node, list) and 0 < len(node) <= len(AXES):
+        return [f"{above}.{axis}" for axis, _ in zip(AXES, node)]
     if not isinstance(node, dict):
         return [above]
     return [path for key, value in node.items()
@@ -439,9 +437,9 @@ def _paths(node: Any, above: str = "") -> list[str]:
 
 def _find(node: Any, path: str) -> tuple[bool, Any]:
     """Names may have dots in them: the longest key goes first."""
-    if isinstance(node, list) and len(path) == 1 and path in _AXES[:len(node)]:
-        return True, node[_AXES.index(path)]
-    if node is None and len(path) == 1 and path in _AXES:
+    if isinstance(node, list) and len(path) == 1 and path in AXES[:len(node)]:
+        return True, node[AXES.index(path)]
+    if node is None and len(path) == 1 and path in AXES:
         return True, None  # of a vector that is undefined
     if not isinstance(node, dict):
         return False, None

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from tomlin import _core
-from tomlin._errors import above_zero, core_of, interrupted, typed, whole
+from tomlin._errors import above_zero, core_of, core_value, interrupted, typed, whole
 from tomlin._progress import shown
 from tomlin._record import table_html
 from tomlin._result import Result, open as open_folder
@@ -106,40 +106,17 @@ class Scene:
             [(typed(path, "a name", str, "a text"), setting_text(one, path))
              for path, one in given.items()]))
 
-    @property
-    def parameters(self) -> dict[str, float]:
-        """The values of ``[parameters]``, expressions evaluated, in the order of the scene."""
-        return self._core.parameters
-
-    @property
-    def name(self) -> str:
-        """``name`` of ``[scene]``."""
-        return self._core.name
-
-    @property
-    def source(self) -> str:
-        """``source`` of ``[scene]``: the work that the model is taken from."""
-        return self._core.source
-
-    @property
-    def file(self) -> str:
-        """The file that it was read from, as given."""
-        return self._core.file
-
-    @property
-    def dimension(self) -> int:
-        """Number of axes of positions and forces, 1 to 3."""
-        return self._core.dimension
-
-    @property
-    def units(self) -> str:
-        """"reduced" or "metal" (eV, Angstrom, ps, u, K)."""
-        return self._core.units
-
-    @property
-    def duration(self) -> float:
-        """Of a run, in the scene's time unit; with ``until`` its latest end."""
-        return self._core.duration
+    parameters: dict[str, float] = core_value(
+        "parameters",
+        "The values of ``[parameters]``, expressions evaluated, in the order of the scene.")
+    name: str = core_value("name", "``name`` of ``[scene]``.")
+    source: str = core_value(
+        "source", "``source`` of ``[scene]``: the work that the model is taken from.")
+    file: str = core_value("file", "The file that it was read from, as given.")
+    dimension: int = core_value("dimension", "Number of axes of positions and forces, 1 to 3.")
+    units: str = core_value("units", '"reduced" or "metal" (eV, Angstrom, ps, u, K).')
+    duration: float = core_value(
+        "duration", "Of a run, in the scene's time unit; with ``until`` its latest end.")
 
     def to_toml(self) -> str:
         """The scene with all defaults filled in, as TOML; running it gives the same bits. Its
@@ -154,7 +131,7 @@ class Scene:
         return self._core.effective_toml + (document_text({"sweep": sweep}) if sweep else "")
 
     def to_dict(self) -> dict[str, Any]:
-        """The same as a dict of plain Python values, which `parse` takes."""
+        """The scene as `to_toml` has it, as a dict of plain Python values, which `parse` takes."""
         return tomllib.loads(self.to_toml())
 
     def run(self, *, folder: str | os.PathLike[str] | None = None, resume: bool = False,
@@ -174,8 +151,9 @@ class Scene:
 
         Ctrl-C, in the main thread, ends the run between two steps and raises KeyboardInterrupt,
         which has the result so far, of the status "interrupted", as its ``result``. A run that
-        fails numerically raises nothing: its status is "failed", and ``failure`` says why. Raises `SceneError` for what only shows when the scene is bound,
-        and `OutputError` for files that cannot be written or read.
+        fails numerically raises nothing: its status is "failed", and ``failure`` says why. Raises
+        `SceneError` for what only shows when the scene is bound, and `OutputError` for files that
+        cannot be written or read.
 
         >>> import tomlin
         >>> tip = tomlin.load("scenarios/prandtl_tomlinson/stick_slip.toml")
@@ -204,8 +182,8 @@ class Scene:
         return Simulation(self)
 
     def explain(self, seconds: float = 0.1) -> Explanation:
-        """What the scene builds and leaves out, its scales, its stable step and its cost, which is
-        tried out for so many seconds. Raises `SceneError` for what a run would refuse.
+        """Shows what the scene builds and leaves out, its scales, its stable step and its cost,
+        which is tried out for so many seconds. Raises `SceneError` for what a run would refuse.
 
         >>> import tomlin
         >>> tip = tomlin.load("scenarios/prandtl_tomlinson/stick_slip.toml")
@@ -229,9 +207,9 @@ class Scene:
 
     def tradeoff(self, observable: str, *, tolerance: float = 1e-3, budget: float = 60.0,
                  progress: Progress = None) -> Tradeoff:
-        """What accuracy of an observable costs, and the cheapest setting whose error is below
-        ``tolerance`` (relative; where the observable is zero, in its unit). ``budget`` is in
-        seconds. Ctrl-C ends it with what is known, its ``status`` is then "interrupted". A callable
+        """Measures what accuracy of an observable costs, and finds the cheapest setting whose error
+        is below ``tolerance`` (relative; where the observable is zero, in its unit). ``budget`` is
+        in seconds. Ctrl-C ends it with what is known, its ``status`` is then "interrupted". A callable
         ``progress`` gets a text. Raises `SceneError` for a path that is no observable, ValueError
         for a tolerance or a budget that is not above 0."""
         typed(observable, "observable", str, "a dotted path")

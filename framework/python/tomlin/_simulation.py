@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tomlin import _core
-from tomlin._errors import above_zero, core_of, typed, whole
+from tomlin._errors import above_zero, core_of, core_value, typed, whole
 from tomlin._record import Record, Vector, table_html
 from tomlin._result import Result, Table, events_table, samples_table
 
@@ -66,8 +66,6 @@ class Simulation:
 
     ``positions``, ``velocities`` and ``forces`` are read-only views of memory that stays where it
     is: an array that was read once shows the present state whenever the property is read again.
-    Forces are not written in Python: one call a step and particle would cost more than all the
-    rest of the step. A formula in the scene, or a plugin of 30 lines of C++, runs at full speed.
     """
 
     def __init__(self, scene: Scene):
@@ -118,51 +116,30 @@ class Simulation:
         return self.result()
 
     def result(self) -> Result:
-        """What is known so far; where the run is not over the status is "interrupted", and what
-        needs its end is None. The simulation can go on."""
+        """The result so far; where the run is not over its status is "interrupted", and what needs
+        its end is None. The simulation can go on."""
         return Result._of_run(self._core.result())
 
-    @property
-    def time(self) -> float:
-        """Time of the state [time]."""
-        return self._core.time
-
-    @property
-    def steps(self) -> int:
-        """Steps taken so far."""
-        return self._core.steps
-
-    @property
-    def done(self) -> bool:
-        """Whether the run has ended or failed; see ``result().status``."""
-        return self._core.done
-
-    @property
-    def duration(self) -> float:
-        """When the run ends, at the latest [time]."""
-        return self._core.duration
-
-    @property
-    def positions(self) -> NDArray[np.float64]:
-        """Positions of all particles [length], of shape (particles, axes), in the coordinates of
-        the scene; bodies one after the other, see ``bodies``. A read-only view."""
-        return self._core.positions
-
-    @property
-    def velocities(self) -> NDArray[np.float64]:
-        """Velocities [length/time], likewise. Without inertia those that follow from the forces;
-        of rigid bodies then those at the last step."""
-        return self._core.velocities
-
-    @property
-    def forces(self) -> NDArray[np.float64]:
-        """Forces on all particles [force], likewise: the sum of all forces of the scene, without
-        what acts on the centre of a rigid body."""
-        return self._core.forces
+    time: float = core_value("time", "Time of the state [time].")
+    steps: int = core_value("steps", "Steps taken so far.")
+    done: bool = core_value("done", "Whether the run has ended or failed; see ``result().status``.")
+    duration: float = core_value("duration", "When the run ends, at the latest [time].")
+    positions: NDArray[np.float64] = core_value(
+        "positions",
+        "Positions of all particles [length], of shape (particles, axes), in the coordinates of "
+        "the scene; bodies one after the other, see ``bodies``. A read-only view.")
+    velocities: NDArray[np.float64] = core_value(
+        "velocities",
+        "Velocities [length/time], likewise. Without inertia those that follow from the forces; "
+        "of rigid bodies then those at the last step.")
+    forces: NDArray[np.float64] = core_value(
+        "forces",
+        "Forces on all particles [force], likewise: the sum of all forces of the scene, without "
+        "what acts on the centre of a rigid body.")
 
     @property
     def bodies(self) -> dict[str, slice]:
-        """Where the particles of each body are: ``sim.positions[sim.bodies["ring"]]``."""
+        """Rows of the particles of each body: ``sim.positions[sim.bodies["ring"]]``."""
         first, all_ = 0, {}
         for name, count in self._core.bodies:
             all_[name] = slice(first, first + count)
@@ -176,15 +153,11 @@ class Simulation:
         return Record({name: Vector(self._core.driver_force(k))
                        for k, name in enumerate(self._core.drivers)})
 
-    @property
-    def kinetic_energy(self) -> float:
-        """Of all bodies [energy]; 0 without inertia."""
-        return self._core.kinetic_energy
-
-    @property
-    def potential_energy(self) -> float:
-        """Of all forces that have one [energy]; only differences of it have a meaning."""
-        return self._core.potential_energy
+    kinetic_energy: float = core_value(
+        "kinetic_energy", "Of all bodies [energy]; 0 without inertia.")
+    potential_energy: float = core_value(
+        "potential_energy",
+        "Of all forces that have one [energy]; only differences of it have a meaning.")
 
     @property
     def samples(self) -> Table:

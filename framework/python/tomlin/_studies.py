@@ -1,4 +1,4 @@
-"""What studies find, as objects."""
+"""Results of studies, as objects."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class Explanation(Record):
-    """What ``tomlin explain --json`` says: ``bodies``, ``forces``, ``left_out``, ``scales``,
+    """The answer of ``tomlin explain --json``: ``bodies``, ``forces``, ``left_out``, ``scales``,
     ``sliding``, ``misfits``, ``integrator``, ``cost``, ``output``, ``warnings``."""
 
     def _repr_html_(self) -> str:
@@ -23,7 +23,7 @@ class Explanation(Record):
 
 
 class Check(Record):
-    """What ``tomlin check --json`` says: ``checks``, each with ``subject``, ``check``, ``ok``,
+    """The answer of ``tomlin check --json``: ``checks``, each with ``subject``, ``check``, ``ok``,
     ``error`` and ``allowed``, and ``warnings``."""
 
     @property
@@ -45,7 +45,7 @@ class Check(Record):
 
 
 class Tradeoff(Record):
-    """What ``tomlin tradeoff`` finds: ``reference``, ``points`` (a run each, with its method,
+    """The findings of ``tomlin tradeoff``: ``reference``, ``points`` (a run each, with its method,
     step or tolerance, value, error and cost), ``recommendation``."""
 
     _scene: "Scene | None" = None
@@ -71,8 +71,8 @@ class Tradeoff(Record):
 
 
 class Comparison(Record):
-    """What ``tomlin compare`` finds: ``models``, each with ``value``, ``error``, ``difference`` and
-    ``verdict``; ``simplest``; ``notes``."""
+    """The findings of ``tomlin compare``: ``models``, each with ``value``, ``error``,
+    ``difference`` and ``verdict``; ``simplest``; ``notes``."""
 
     _curves: list[tuple[NDArray[np.float64], NDArray[np.float64]]] = []
     _axes: dict[str, str] = {}

@@ -91,12 +91,12 @@ class Sweep(Mapping[str, Any]):
 
     @property
     def folder(self) -> Path | None:
-        """Where its files are; None of a sweep in memory."""
+        """The folder of its files; None of a sweep in memory."""
         return self._folder
 
     @property
     def summary(self) -> Record:
-        """What ``sweep.json`` says: counts, warnings, intervals of ``refine``."""
+        """The content of ``sweep.json``: counts, warnings, intervals of ``refine``."""
         text = self._summary
         if not text and self._folder is not None:
             file = self._folder / "sweep.json"

@@ -5,16 +5,22 @@ from __future__ import annotations
 import base64
 import io
 import warnings
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tomlin._plots.bodies import ring_figure, surface_figure
+from tomlin._plots.draw import draw_on
 from tomlin._plots.figure import Figure
-from tomlin._plots.runs import Run
+from tomlin._plots.quantities import KINDS, Owners
+from tomlin._plots.runs import Run, run_in_memory
+from tomlin._plots.slips import slips_figure
+from tomlin._plots.studies import compare_figure, tradeoff_figure
+from tomlin._plots.sweeps import SweepRequest, sweep_figure, sweep_in_memory
+from tomlin._plots.traces import CurvesRequest, curves_figure, loop_figure
+from tomlin._result import Result
 
 if TYPE_CHECKING:
-    from tomlin._result import Result
     from tomlin._studies import Comparison, Tradeoff
     from tomlin._sweep import Sweep
 
@@ -35,12 +41,6 @@ def _default_columns(run: Run) -> tuple[str, str]:
 
 def figure_of_result(result: Result, y: str | None, x: str | None, notes: list[str]) -> Figure:
     """A figure by its name, or a quantity over another."""
-    from tomlin._plots.bodies import ring_figure, surface_figure
-    from tomlin._plots.quantities import KINDS, Owners
-    from tomlin._plots.runs import run_in_memory
-    from tomlin._plots.slips import slips_figure
-    from tomlin._plots.traces import CurvesRequest, curves_figure, loop_figure
-
     run = run_in_memory(result)
     if x is None and y == "ring":
         return ring_figure([run], [""], "time", [], Owners(), notes)
@@ -61,8 +61,6 @@ def figure_of_result(result: Result, y: str | None, x: str | None, notes: list[s
 
 
 def plot_result(result: Result, y: str | None, x: str | None, ax: Any, **options: Any) -> Any:
-    from tomlin._plots.draw import draw_on
-
     notes: list[str] = []
     axes = draw_on(ax, figure_of_result(result, y, x, notes), **options)
     for note in notes:
@@ -71,25 +69,16 @@ def plot_result(result: Result, y: str | None, x: str | None, ax: Any, **options
 
 
 def plot_sweep(sweep: Sweep, y: str | None, x: str | None, ax: Any, **options: Any) -> Any:
-    from tomlin._plots.draw import draw_on
-    from tomlin._plots.sweeps import SweepRequest, sweep_figure, sweep_in_memory
-
     stored = sweep_in_memory(sweep)
     request = SweepRequest(x or list(sweep.axes)[-1], [[y or next(iter(sweep.columns))]])
     return draw_on(ax, sweep_figure(stored, request, []), **options)
 
 
 def plot_tradeoff(tradeoff: Tradeoff, ax: Any, **options: Any) -> Any:
-    from tomlin._plots.draw import draw_on
-    from tomlin._plots.studies import tradeoff_figure
-
     return draw_on(ax, tradeoff_figure(tradeoff), **options)
 
 
 def plot_comparison(comparison: Comparison, ax: Any, **options: Any) -> Any:
-    from tomlin._plots.draw import draw_on
-    from tomlin._plots.studies import compare_figure
-
     names = [model.get("name") or model.get("file") for model in comparison["models"]]
     curves = [(name, *curve) for name, curve in zip(names, comparison.curves)]
     length, force = (comparison._axes.get(key) or key for key in ("length", "force"))

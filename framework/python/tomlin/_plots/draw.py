@@ -14,11 +14,9 @@ from tomlin._plots.figure import (GREY, PANEL_WIDTH, Curve, Figure, Panel, Raste
                                   with_margin)
 from tomlin._plots.labels import literal
 from tomlin._plots.reduce import Window, reduced
-from tomlin._tables import one_line
 
 POINTS_PER_INCH = 72.0
 PIXELS_PER_POINT = 2.0  #: of a PNG
-LONGEST_TEXT = 200  #: characters of a title or label
 
 # M. Okabe and K. Ito, Color Universal Design (2008): colour-blind eyes can distinguish them, too.
 _PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
@@ -32,17 +30,6 @@ _FEW_DECADES = 2.5  # a logarithmic axis of fewer decades has numbers at 1, 2 an
 
 def missing_matplotlib() -> ImportError:
     return ImportError("figures need matplotlib (Debian: python3-matplotlib)")
-
-
-def new_axes(ax: Any = None) -> Any:
-    """The axes to draw on: the caller's, or those of a new figure."""
-    if ax is not None:
-        return ax
-    try:
-        from matplotlib import pyplot
-    except ImportError as error:
-        raise missing_matplotlib() from error
-    return pyplot.subplots()[1]
 
 
 @dataclass
@@ -100,7 +87,7 @@ class _Drawing:
         x, y = (curve.x, curve.y) if window is None else reduced(curve.x, curve.y, window)
         dashes = max(curve.colour, 0) // len(self.palette) % len(_DASHES)
         style: dict[str, Any] = {"color": self._colour(curve.colour),
-                                 "label": literal(curve.label, LONGEST_TEXT) or None,
+                                 "label": literal(curve.label) or None,
                                  "linestyle": (0, (5, 4)) if curve.dashed else _DASHES[dashes]}
         if not curve.line:
             style["linestyle"] = "none"
@@ -141,7 +128,7 @@ class _Drawing:
         legend = self.ax.legend([line for line, _ in self.handles], ["-"] * len(self.handles),
                                 **where)
         for text, (_, label) in zip(legend.get_texts(), self.handles):
-            text.set_text(literal(label, LONGEST_TEXT))
+            text.set_text(literal(label))
         return legend
 
 
@@ -175,13 +162,18 @@ def _set_up(ax: Any, figure: Figure, panel: Panel, limits: bool = True) -> None:
     ax.set_xlabel(figure.x_label)
     ax.set_ylabel(panel.y_label)
     if panel.title:
-        ax.set_title(literal(panel.title, LONGEST_TEXT))
+        ax.set_title(literal(panel.title))
 
 
 def draw_on(ax: Any, figure: Figure, **options: Any) -> Any:
     """A figure of one panel on axes of somebody else or of a new figure, every point of it. Curves
     leave the range to matplotlib, which has it grow with what is drawn on the same axes later."""
-    ax = new_axes(ax)
+    if ax is None:
+        try:
+            from matplotlib import pyplot
+        except ImportError as error:
+            raise missing_matplotlib() from error
+        ax = pyplot.subplots()[1]
     [panel] = figure.panels
     drawing = _Drawing(ax, panel, **options)
     drawing.draw(None)
@@ -225,7 +217,7 @@ class _Page:
         labels: list[str] = []
         for panel in figure.panels:
             labels = self._add(panel, labels)
-        self.title = self.canvas.text(0.0, 0.0, literal(form.title, LONGEST_TEXT), ha="center",
+        self.title = self.canvas.text(0.0, 0.0, literal(form.title), ha="center",
                                       va="top")
         self.canvas.align_ylabels()
         heights = [panel.height for panel in figure.panels]

@@ -9,9 +9,8 @@ import numpy as np
 from tomlin._errors import QuantityError, listed, nearest_name, refusal
 from tomlin._plots.labels import axis_text, column_in_words, column_text, unit_name
 from tomlin._plots.runs import Run
+from tomlin._record import AXES
 from tomlin._tables import Array, Columns, drawable, one_line
-
-_AXES = "xyz"
 
 
 @dataclass(frozen=True)
@@ -127,7 +126,7 @@ def find_series(table: Columns, name: str, owners: Owners, option: str) -> Serie
         first = quantity.column + (".x" if vector else "")
         prefix = chosen_owner(table, quantity.owner, first, owners) + "."
     column = prefix + quantity.column
-    columns = [f"{column}.{axis}" for axis in _AXES if f"{column}.{axis}" in table] if vector else [
+    columns = [f"{column}.{axis}" for axis in AXES if f"{column}.{axis}" in table] if vector else [
         column]
     values = drawable(table[columns[0]], table.file)
     if vector:

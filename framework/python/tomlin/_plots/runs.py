@@ -12,11 +12,11 @@ from functools import cached_property
 from typing import Any
 
 from tomlin._errors import SceneError, refusal
-from tomlin._tables import Columns, read_samples, read_text
+from tomlin._record import AXES
 from tomlin._result import Result
+from tomlin._tables import Columns, read_samples, read_text
 
 _LARGEST_SUMMARY = 8 << 20  # bytes
-_AXES = "xyz"
 _FAMILIES = ("drivers.", "bodies.", "observers.", "forces.")
 # Parts of a summary that describe the scene and are no results.
 _NO_RESULTS = {"program", "scene", "integrator", "parameters", "warnings", "warning_codes",
@@ -41,8 +41,8 @@ def _results(node: Any, path: str, found: dict[str, float]) -> None:
     elif isinstance(node, dict):
         for key, value in node.items():
             _results(value, f"{path}.{key}", found)
-    elif isinstance(node, list) and len(node) <= len(_AXES):
-        for axis, value in zip(_AXES, node):
+    elif isinstance(node, list) and len(node) <= len(AXES):
+        for axis, value in zip(AXES, node):
             _results(value, f"{path}.{axis}", found)
 
 

@@ -13,9 +13,8 @@ from tomlin._plots.figure import (GREY, Arrow, Curve, Figure, Panel, Span, scale
 from tomlin._plots.labels import axis_text, check_unit_names, dimension_words, unit_name
 from tomlin._plots.quantities import Owners, Series, chosen_owner, find_series
 from tomlin._plots.runs import Run
+from tomlin._record import AXES
 from tomlin._tables import Array
-
-_AXES = "xyz"
 
 
 @dataclass
@@ -166,7 +165,7 @@ def curves_figure(runs: Sequence[Run], labels: Sequence[str], request: CurvesReq
 
 def _components(run: Run, owner: str, vector: str) -> list[Series]:
     return [find_series(run.samples, name, Owners(), "")
-            for name in (f"{owner}.{vector}.{axis}" for axis in _AXES) if name in run.samples]
+            for name in (f"{owner}.{vector}.{axis}" for axis in AXES) if name in run.samples]
 
 
 def _pull_direction(position: Array) -> Array | None:
