@@ -15,20 +15,26 @@ import pytest
 from conftest import BUILD, ROOT
 
 
-@pytest.fixture
-def backend(monkeypatch):
+@pytest.fixture(scope="module")
+def backend():
     spec = importlib.util.spec_from_file_location(
         "build_backend", ROOT / "framework" / "python" / "build_backend.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    monkeypatch.setattr(module, "build", lambda: None)
-    monkeypatch.setattr(module, "BUILD", BUILD)
+    module.build = lambda: None
+    module.BUILD = BUILD
     return module
 
 
-def test_wheel_is_whole_and_works(backend, tmp_path):
-    name = backend.build_wheel(tmp_path)
-    with zipfile.ZipFile(tmp_path / name) as wheel:
+@pytest.fixture(scope="module")
+def built(backend, tmp_path_factory):
+    """The wheel, which takes seconds to compress."""
+    folder = tmp_path_factory.mktemp("wheel")
+    return folder / backend.build_wheel(folder)
+
+
+def test_wheel_is_whole_and_works(built, tmp_path):
+    with zipfile.ZipFile(built) as wheel:
         names = wheel.namelist()
         record = next(one for one in names if one.endswith("RECORD"))
         rows = list(csv.reader(wheel.read(record).decode().splitlines()))
@@ -54,9 +60,9 @@ def test_editable_wheel_points_to_the_build(backend, tmp_path):
         assert wheel.read("tomlin.pth").decode().strip() == str(BUILD / "python")
 
 
-def test_metadata_are_those_of_the_wheel(backend, tmp_path):
+def test_metadata_are_those_of_the_wheel(backend, built, tmp_path):
     info = backend.prepare_metadata_for_build_wheel(tmp_path)
-    with zipfile.ZipFile(tmp_path / backend.build_wheel(tmp_path)) as wheel:
+    with zipfile.ZipFile(built) as wheel:
         assert wheel.read(f"{info}/METADATA") == (tmp_path / info / "METADATA").read_bytes()
 
 
@@ -76,10 +82,6 @@ def test_types_are_right(tmp_path):
         assert (done.returncode == 0) == is_right, done.stdout + done.stderr
 
 
-def arguments_of_stub(node):
-    return len(node.args.posonlyargs) + len(node.args.args)
-
-
 def arguments_of_module(function):
     """By the signature that pybind11 writes into the documentation of what it makes."""
     return len(re.findall(r"(?:self|arg\d+): ", function.__doc__.splitlines()[0]))
@@ -96,7 +98,7 @@ def test_stubs_have_the_signatures_of_the_module():
         for one in members:
             if isinstance(one, ast.FunctionDef):
                 found = arguments_of_module(getattr(owner, one.name))
-                assert arguments_of_stub(one) == found, f"{node.name}, {one.name}"
+                assert len(one.args.posonlyargs) + len(one.args.args) == found, one.name
                 checked += 1
     assert checked > 20
 

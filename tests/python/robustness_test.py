@@ -61,7 +61,7 @@ def memory():
 
 
 def test_memory_is_flat(tip):
-    """A thousand runs; a leak of one result would be 40 kB each, 40 MB in all."""
+    """Four hundred runs; a leak of one result would be 40 kB each, 16 MB in all."""
     short = tip.set("v", 0.1)
 
     def use():
@@ -76,11 +76,11 @@ def test_memory_is_flat(tip):
         except tomlin.SceneError:
             pass
 
-    for _ in range(200):
+    for _ in range(100):
         use()
     gc.collect()
     before = memory()
-    for _ in range(1000):
+    for _ in range(400):
         use()
     gc.collect()
     assert memory() - before < 8e6

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <regex>
 #include <sstream>
 #include <string>
@@ -78,13 +79,24 @@ inline std::string abridged(const std::string& errors) {
 }
 
 /// Returns the faults of the InputError that the action throws; empty if it throws none.
-inline std::vector<std::string> briefs_of(const std::function<void()>& action) {
+inline std::vector<Fault> thrown_faults(const std::function<void()>& action) {
   try {
     action();
   } catch (const InputError& error) {
-    return briefs(error);
+    return error.faults();
   }
   return {};
+}
+
+inline std::optional<Fault> first_fault(const std::function<void()>& action) {
+  const std::vector<Fault> faults = thrown_faults(action);
+  return faults.empty() ? std::nullopt : std::optional(faults.front());
+}
+
+inline std::vector<std::string> briefs_of(const std::function<void()>& action) {
+  std::vector<std::string> all;
+  for (const Fault& fault : thrown_faults(action)) all.push_back(brief(fault));
+  return all;
 }
 
 }  // namespace tomlin::test

@@ -1,7 +1,9 @@
 #pragma once
 
-#include <stdexcept>
 #include <string>
+#include <utility>
+
+#include "tests/support/text.hpp"
 
 /// A small scene of molecular dynamics with most of what such scenes have: a thermostatted nanotube
 /// that is pulled over a fixed sheet in a periodic box. A picosecond takes some 30 ms.
@@ -81,9 +83,7 @@ trajectory = true
 /// The scene with its first `old_text` replaced.
 inline std::string tube_scene_with(const std::string& old_text, const std::string& new_text,
                                    std::string scene = kTubeOnSheet) {
-  const auto at = scene.find(old_text);
-  if (at == std::string::npos) throw std::logic_error("the scene has no " + old_text);
-  return scene.replace(at, old_text.size(), new_text);
+  return replaced(std::move(scene), old_text, new_text);
 }
 
 }  // namespace tomlin::test

@@ -178,12 +178,7 @@ class ParticlesFile : public testing::Test {
     return read_scene((folder_ / "s.toml").string(), all_components());
   }
   std::vector<Fault> faults(const std::string& keys) const {
-    try {
-      (void)scene_from(keys);
-    } catch (const InputError& error) {
-      return error.faults();
-    }
-    return {};
+    return thrown_faults([&] { (void)scene_from(keys); });
   }
   Fault fault(const std::string& keys) const {
     const std::vector<Fault> found = faults(keys);

@@ -128,12 +128,8 @@ class ParticlesXyz : public testing::Test {
   }
   /// The text of the only one.
   std::string why(const std::string& keys) const {
-    try {
-      (void)scene(keys);
-    } catch (const InputError& error) {
-      return error.faults().front().why;
-    }
-    return "";
+    const auto fault = first_fault([&] { (void)scene(keys); });
+    return fault ? fault->why : "";
   }
   void write_file(const std::string& name, const std::string& text) const {
     write(folder_ / name, text);

@@ -10,8 +10,7 @@ class Check : public Cli {
   Json checked(std::vector<std::string> arguments, int status) {
     arguments.insert(arguments.begin(), "check");
     arguments.emplace_back("--json");
-    const Ended ended = tomlin(arguments);
-    EXPECT_EQ(ended.status, status) << ended.err;
+    const Ended ended = expect_status(status, tomlin(arguments));
     EXPECT_EQ(ended.err, "");
     return Json::parse(ended.out);
   }
@@ -19,8 +18,7 @@ class Check : public Cli {
 
 /// Nothing to mend: nothing to read.
 TEST_F(Check, ASoundSceneIsOneLine) {
-  const Ended ended = tomlin({"check", "tip.toml"});
-  EXPECT_EQ(ended.status, 0) << ended.err;
+  const Ended ended = expect_status(0, tomlin({"check", "tip.toml"}));
   EXPECT_EQ(ended.err, "");
   EXPECT_EQ(lines(ended.out), 1) << ended.out;
   EXPECT_EQ(ended.out.substr(0, 10), "tip.toml: ");
@@ -36,12 +34,8 @@ TEST_F(Check, ASoundSceneIsOneLine) {
 
 /// Forces are checked one by one, also where a run that needs noise needs it of another force.
 TEST_F(Check, AThermalSceneMayAskForRepeatsOrAnError) {
-  std::string warm = kTip;
-  const auto put = [&warm](const std::string& before, const std::string& after) {
-    warm.replace(warm.find(before), before.size(), after);
-  };
-  put("type = \"viscous_damping\"", "type = \"langevin\"\ntemperature = 0.01");
-  put("type = \"rk4\"", "type = \"baoab\"");
+  std::string warm = replaced(kTip, "\"viscous_damping\"", "\"langevin\"\ntemperature = 0.01");
+  warm = replaced(warm, "\"rk4\"", "\"baoab\"");
   warm.erase(warm.find("[measure]"), warm.find("[output]") - warm.find("[measure]"));
   write(folder_ / "warm.toml", warm);
   for (const char* asked :
@@ -53,32 +47,14 @@ TEST_F(Check, AThermalSceneMayAskForRepeatsOrAnError) {
   }
 }
 
-/// Passed checks are shown beside failed ones on request only; allowed instability is warned of.
-TEST_F(Check, OnlyWhatDoesNotHoldIsShown) {
-  const Ended failed = tomlin({"check", "tip.toml", "--set", "run.integrator.dt=5"});
-  EXPECT_EQ(failed.status, 1);
-  EXPECT_FALSE(contains(failed.out, "ok  ")) << failed.out;
-  EXPECT_LT(lines(failed.out), 8);
-  const Ended all = tomlin({"check", "tip.toml", "--set", "run.integrator.dt=5", "--verbose"});
-  EXPECT_GT(lines(all.out), 30);
-  const Ended insisted = tomlin(
-      {"check", "tip.toml", "--set", "run.integrator.dt=5", "--set", "run.allow_unstable=true"});
-  EXPECT_EQ(insisted.status, 0);
-  EXPECT_TRUE(contains(insisted.out, "\ntip.toml: warning: dt = 5 is ")) << insisted.out;
-  EXPECT_TRUE(insisted.out.ends_with(" [integrator.beyond_stability]\n")) << insisted.out;
-}
-
 TEST_F(Check, ASoundSceneHasALineForEachProperty) {
   const auto before = all_files();
-  const Ended ended = tomlin({"check", "tip.toml", "--verbose"});
-  EXPECT_EQ(ended.status, 0) << ended.err;
+  const Ended ended = expect_status(0, tomlin({"check", "tip.toml", "--verbose"}));
   EXPECT_EQ(ended.err, "");
   EXPECT_EQ(all_files(), before);
-  for (const char* part : {"tip.toml: a valid scene\n", "rk4 stable ", "driver conservative ",
+  expect_parts(ended.out, {"tip.toml: a valid scene\n", "rk4 stable ", "driver conservative ",
                            "viscous_damping dissipative ", "sinusoidal_substrate conservative ",
-                           "sinusoidal_substrate periodic ", "checks hold"}) {
-    EXPECT_TRUE(contains(ended.out, part)) << part << "\n" << ended.out;
-  }
+                           "sinusoidal_substrate periodic ", "checks hold"});
   EXPECT_FALSE(contains(ended.out, "FAILED"));
 
   const Json json = checked({"tip.toml"}, 0);
@@ -95,18 +71,27 @@ TEST_F(Check, ASoundSceneHasALineForEachProperty) {
   EXPECT_EQ(spring["states"], 9);
 }
 
+/// Passed checks are shown beside failed ones on request only; allowed instability is warned of, as
+/// in a run.
 TEST_F(Check, AStepThatIsTooLongFails) {
-  const Ended ended = tomlin({"check", "tip.toml", "--set", "run.integrator.dt=5"});
-  EXPECT_EQ(ended.status, 1);
-  EXPECT_TRUE(contains(ended.out, "FAILED  dt = 5 is ")) << ended.out;
-  EXPECT_TRUE(contains(ended.out, " checks FAILED")) << ended.out;
-  const Json json = checked({"tip.toml", "--set", "run.integrator.dt=5"}, 1);
+  const std::vector<std::string> too_long = {"check", "tip.toml", "--set", "run.integrator.dt=5"};
+  const auto with = [&](const std::vector<std::string>& more) {
+    return tomlin(plus(too_long, more));
+  };
+  const Ended failed = expect_status(1, tomlin(too_long));
+  expect_parts(failed.out, {"FAILED  dt = 5 is ", " checks FAILED"});
+  EXPECT_FALSE(contains(failed.out, "ok  ")) << failed.out;
+  EXPECT_LT(lines(failed.out), 8);
+  EXPECT_GT(lines(with({"--verbose"}).out), 30);
+  const Json json = Json::parse(expect_status(1, with({"--json"})).out);
   EXPECT_EQ(json["valid"], true);
   EXPECT_EQ(json["sound"], false);
   EXPECT_EQ(json["checks"][0]["ok"], false);
-  // Insisting makes a warning of it, as in a run.
+  const std::string text = expect_status(0, with({"--set", "run.allow_unstable=true"})).out;
+  EXPECT_TRUE(contains(text, "\ntip.toml: warning: dt = 5 is ")) << text;
+  EXPECT_TRUE(text.ends_with(" [integrator.beyond_stability]\n")) << text;
   const Json insisted =
-      checked({"tip.toml", "--set", "run.integrator.dt=5", "--set", "run.allow_unstable=true"}, 0);
+      Json::parse(expect_status(0, with({"--set", "run.allow_unstable=true", "--json"})).out);
   EXPECT_EQ(insisted["sound"], true);
   EXPECT_EQ(insisted["warnings"].size(), 1U);
   EXPECT_EQ(insisted["warning_codes"], Json({"integrator.beyond_stability"}));
@@ -121,15 +106,9 @@ TEST_F(Check, WhatIsNotBuiltIsNamed) {
 }
 
 TEST_F(Check, FaultsComeWithTheirPlaces) {
-  std::string scene = kTip;
-  const auto replace = [&scene](const std::string& old_text, const std::string& new_text) {
-    scene.replace(scene.find(old_text), old_text.size(), new_text);
-  };
-  replace("particle_mass = 1.0", "particle_mass = 0.0");
-  replace("stiffness = 2.0", "stifness = 2.0");
-  write(folder_ / "tip.toml", scene);
-  const Ended ended = tomlin({"check", "tip.toml"});
-  EXPECT_EQ(ended.status, 2);
+  const std::string scene = replaced(kTip, "particle_mass = 1.0", "particle_mass = 0.0");
+  write(folder_ / "tip.toml", replaced(scene, "stiffness = 2.0", "stifness = 2.0"));
+  const Ended ended = expect_status(2, tomlin({"check", "tip.toml"}));
   EXPECT_EQ(ended.out, "");
   EXPECT_EQ(ended.err, tomlin({"run", "tip.toml"}).err);
 

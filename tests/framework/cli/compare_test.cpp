@@ -12,13 +12,10 @@ constexpr const char* kForce = "driver.mean_force.x";
 class CompareCommand : public Cli {};
 
 TEST_F(CompareCommand, NamesTheSimplestModelAndLeavesItsFiles) {
-  std::string other = file("tip.toml");
-  write(folder_ / "other.toml", other);
-  const Ended ended = tomlin({"compare", "tip.toml", "other.toml", "--observable", kForce});
-  ASSERT_EQ(ended.status, 0) << ended.err;
-  for (const char* part : {"coordinates", "reference", "agrees", "results: compare.out/"}) {
-    EXPECT_TRUE(contains(ended.out, part)) << part << "\n" << ended.out;
-  }
+  write(folder_ / "other.toml", kTip);
+  const Ended ended =
+      expect_status(0, tomlin({"compare", "tip.toml", "other.toml", "--observable", kForce}));
+  expect_parts(ended.out, {"coordinates", "reference", "agrees", "results: compare.out/"});
   const Json found = Json::parse(file("compare.out/compare.json"));
   ASSERT_EQ(found["models"].size(), 2U);
   EXPECT_EQ(found["status"], "finished");
@@ -31,17 +28,15 @@ TEST_F(CompareCommand, NamesTheSimplestModelAndLeavesItsFiles) {
   EXPECT_TRUE(contains(curves, "\n1,\"a tip\","));
 
   EXPECT_EQ(tomlin({"compare", "tip.toml", "other.toml", "--observable", kForce}).status, 2);
-  EXPECT_EQ(tomlin({"compare", "tip.toml", "other.toml", "--observable", kForce, "--force"}).status,
-            0);
+  expect_status(0,
+                tomlin({"compare", "tip.toml", "other.toml", "--observable", kForce, "--force"}));
 }
 
 /// A window from 1.0 to 2.5 periods of the driver.
 TEST_F(CompareCommand, WarningsHaveTheirCodes) {
-  std::string other = file("tip.toml");
-  other.replace(other.find("to = 2.0"), 8, "to = 2.5");
-  write(folder_ / "other.toml", other);
-  const Ended ended = tomlin({"compare", "tip.toml", "other.toml", "--observable", kForce});
-  ASSERT_EQ(ended.status, 0) << ended.err;
+  write(folder_ / "other.toml", replaced(kTip, "to = 2.0", "to = 2.5"));
+  const Ended ended =
+      expect_status(0, tomlin({"compare", "tip.toml", "other.toml", "--observable", kForce}));
   EXPECT_TRUE(contains(ended.out, " [run.window_not_whole]\n")) << ended.out;
   const Json models = Json::parse(file("compare.out/compare.json"))["models"];
   for (const Json& model : models) {

@@ -31,17 +31,14 @@ integrator = { type = "velocity_verlet", dt = 1e-3 }
 
 TEST_F(Export, WritesItsFiles) {
   write(folder_ / "pair.toml", kPairOfAtoms);
-  const Ended ended = tomlin({"export", "pair.toml", "--to", "lammps"});
-  EXPECT_EQ(ended.status, 0) << ended.err;
+  const Ended ended = expect_status(0, tomlin({"export", "pair.toml", "--to", "lammps"}));
   EXPECT_TRUE(contains(ended.out, "lmp -in in.lmp")) << ended.out;
   const std::string data = file("pair.lammps/data.lmp");
-  EXPECT_TRUE(contains(data, "\n2 atoms\n2 atom types\n")) << data;
-  EXPECT_TRUE(contains(data, "\n2 2 1.1000000000000001 0.10000000000000001 0\n")) << data;
+  expect_parts(data,
+               {"\n2 atoms\n2 atom types\n", "\n2 2 1.1000000000000001 0.10000000000000001 0\n"});
   const std::string input = file("pair.lammps/in.lmp");
-  EXPECT_TRUE(contains(input, "\nunits lj\n")) << input;
-  EXPECT_TRUE(contains(input, "\npair_coeff 1*2 1*2 lj/smooth/linear 0.1 1 2.5\n")) << input;
-  EXPECT_TRUE(contains(input, "\ntimestep 0.001\n")) << input;
-  EXPECT_TRUE(contains(input, "\nvariable steps index 100\nrun ${steps}\n")) << input;
+  expect_parts(input, {"\nunits lj\n", "\npair_coeff 1*2 1*2 lj/smooth/linear 0.1 1 2.5\n",
+                       "\ntimestep 0.001\n", "\nvariable steps index 100\nrun ${steps}\n"});
   // Even in comments LAMMPS looks for these.
   EXPECT_FALSE(contains(input, "\"\"\"")) << input;
   EXPECT_FALSE(contains(input, "&\n")) << input;
@@ -52,9 +49,8 @@ TEST_F(Export, AFolderThatIsNotEmptyNeedsForce) {
   ASSERT_EQ(tomlin({"export", "pair.toml", "--to", "lammps", "-o", "out"}).status, 0);
   write(folder_ / "out" / "mine.txt", "kept");
   expect_refused({"export", "pair.toml", "--to", "lammps", "-o", "out"}, "-o: out [file.exists]\n");
-  const Ended ended = tomlin({"export", "pair.toml", "--to", "lammps", "-o", "out", "--set",
-                              "run.integrator.dt=2e-3", "--force"});
-  EXPECT_EQ(ended.status, 0) << ended.err;
+  expect_status(0, tomlin({"export", "pair.toml", "--to", "lammps", "-o", "out", "--set",
+                           "run.integrator.dt=2e-3", "--force"}));
   EXPECT_TRUE(contains(file("out/in.lmp"), "\ntimestep 0.002\n"));
   EXPECT_EQ(file("out/mine.txt"), "kept");
 }
@@ -97,14 +93,11 @@ coefficient = [0.1, 0.2, 0.3, 0.4, 0.5]
 duration = 1.0
 integrator = { type = "dopri5", absolute_tolerance = 1e-8, relative_tolerance = 1e-8 }
 )");
-  const Ended ended = tomlin({"export", "odd.toml", "--to", "lammps"});
-  EXPECT_EQ(ended.status, 2);
-  for (const char* part :
-       {"odd.toml:8:", "body.ring.coordinates", "odd.toml:17:", "force.coulomb_friction.type",
-        "odd.toml:25:", "force.viscous_damping.coefficient",
-        "odd.toml:29:", "run.integrator.type"}) {
-    EXPECT_TRUE(contains(ended.err, part)) << part << "\n" << ended.err;
-  }
+  const Ended ended = expect_status(2, tomlin({"export", "odd.toml", "--to", "lammps"}));
+  expect_parts(
+      ended.err,
+      {"odd.toml:8:", "body.ring.coordinates", "odd.toml:17:", "force.coulomb_friction.type",
+       "odd.toml:25:", "force.viscous_damping.coefficient", "odd.toml:29:", "run.integrator.type"});
   EXPECT_FALSE(exists("odd.lammps"));
 }
 

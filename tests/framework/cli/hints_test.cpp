@@ -40,15 +40,9 @@ class Hints : public Cli {
     return refused(arguments);
   }
   std::string refused(const std::vector<std::string>& arguments) {
-    const Ended ended = tomlin(arguments);
-    EXPECT_EQ(ended.status, 2) << ended.err;
-    return ended.err;
+    return expect_status(2, tomlin(arguments)).err;
   }
 };
-
-void expect_parts(const std::string& text, const std::vector<std::string>& parts) {
-  for (const std::string& part : parts) EXPECT_TRUE(contains(text, part)) << part << "\n" << text;
-}
 
 TEST_F(Hints, UnitsBehindNumbers) {
   expect_parts(said_of(kTip, {"v='1%'"}), {"1 / 100", "absolute"});
@@ -95,9 +89,8 @@ TEST_F(Hints, LevelsFollowAnEqualsSign) {
 }
 
 TEST_F(Hints, OtherNames) {
-  std::string scene = kNoisy;
-  scene.replace(scene.find("coefficient = "), 14, "gamma = ");
-  expect_parts(said_of(scene, {}), {"mass times the rate gamma", "did you mean \"coefficient\""});
+  expect_parts(said_of(replaced(kNoisy, "coefficient = ", "gamma = "), {}),
+               {"mass times the rate gamma", "did you mean \"coefficient\""});
   expect_parts(said_of(kTip, {"force.driver.stiffness='2*j'"}), {"the index is 'i'"});
   const std::string surface = R"([[body]]
 type = "point"
@@ -131,12 +124,9 @@ parameters = "lindsay_broido_2010"
 duration = 10.0
 integrator = { type = "velocity_verlet", dt = 1.0 }
 )";
-  const auto of_species = [&](const std::string& name) {
-    std::string scene = atoms;
-    return scene.replace(scene.find("SPECIES"), 7, name);
-  };
-  expect_parts(said_of(of_species("c"), {}), {"body.atoms.species = \"c\"", "expected: C"});
-  write(folder_ / "scene.toml", of_species("C"));
+  expect_parts(said_of(replaced(atoms, "SPECIES", "c"), {}),
+               {"body.atoms.species = \"c\"", "expected: C"});
+  write(folder_ / "scene.toml", replaced(atoms, "SPECIES", "C"));
   expect_parts(tomlin({"run", "scene.toml"}).err, {"times are in ps, and 1 fs is 1e-3"});
 }
 

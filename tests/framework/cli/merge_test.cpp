@@ -31,10 +31,7 @@ class MergeCommand : public Cli {
  protected:
   Ended sweep(const std::vector<std::string>& options, const Conditions& conditions = {},
               const std::vector<std::string>& axes = kSharded) {
-    std::vector<std::string> all = {"sweep", "tip.toml"};
-    all.insert(all.end(), axes.begin(), axes.end());
-    all.insert(all.end(), options.begin(), options.end());
-    return tomlin(all, conditions);
+    return tomlin(plus(plus({"sweep", "tip.toml"}, axes), options), conditions);
   }
   /// In the folders s1, s2, ...
   void sweep_shards(int count, const std::vector<std::string>& axes = kSharded) {
@@ -54,14 +51,11 @@ class MergeCommand : public Cli {
   }
   /// All that does not depend on how the sweep came to its end.
   std::string results(const std::string& folder) {
-    Json json = Json::parse(file(folder + "/sweep.json"));
+    Json json = sweep_summary(folder);
     json.erase("performance");
-    return file(folder + "/sweep.csv") + file(folder + "/sweep.h5") + file(folder + "/scene.toml") +
-           json.dump();
+    return Cli::results(folder) + json.dump();
   }
-  int rows_of(const std::string& folder) {
-    return Json::parse(file(folder + "/sweep.json"))["performance"]["rows"];
-  }
+  int rows_of(const std::string& folder) { return sweep_summary(folder)["performance"]["rows"]; }
 };
 
 TEST_F(MergeCommand, ShardsInAnyOrderAreTheWholeSweep) {
@@ -69,8 +63,7 @@ TEST_F(MergeCommand, ShardsInAnyOrderAreTheWholeSweep) {
   sweep_shards(3);
   std::vector<std::string> shards = {"s1", "s2", "s3"};
   do {
-    const Ended ended = merge(shards, "merged", {"--force"});
-    EXPECT_EQ(ended.status, 0) << ended.err;
+    const Ended ended = expect_status(0, merge(shards, "merged", {"--force"}));
     EXPECT_TRUE(contains(ended.out, "4 points finished, 4 failed, 4 refused\n")) << ended.out;
     EXPECT_EQ(results("merged"), results("whole"));
   } while (std::next_permutation(shards.begin(), shards.end()));
@@ -79,17 +72,14 @@ TEST_F(MergeCommand, ShardsInAnyOrderAreTheWholeSweep) {
   EXPECT_TRUE(contains(same.out, "finished already")) << same.out;
   // Some shards are empty if there are more of them than points.
   sweep_shards(13);
-  EXPECT_EQ(
-      merge({"s13", "s1", "s2", "s3", "s4", "s5", "s6", "s7", "s8", "s9", "s10", "s11", "s12"},
-            "many")
-          .status,
-      0);
+  expect_status(
+      0, merge({"s13", "s1", "s2", "s3", "s4", "s5", "s6", "s7", "s8", "s9", "s10", "s11", "s12"},
+               "many"));
   EXPECT_EQ(results("many"), results("whole"));
 }
 
 TEST_F(MergeCommand, AShardSaysWhatItIs) {
-  const Ended ended = sweep({"--shard", "2/5"});
-  EXPECT_EQ(ended.status, 0) << ended.err;
+  const Ended ended = expect_status(0, sweep({"--shard", "2/5"}));
   EXPECT_TRUE(contains(ended.out, "2 of 5: 2 of these points")) << ended.out;
   const std::string folder = "tip.sweep.2-of-5.out";
   for (const char* name : {"sweep.journal", "sweep.json", "scene.toml"}) {
@@ -97,7 +87,7 @@ TEST_F(MergeCommand, AShardSaysWhatItIs) {
   }
   EXPECT_FALSE(exists(folder + "/sweep.csv"));
   EXPECT_FALSE(exists(folder + "/sweep.h5"));
-  const Json json = Json::parse(file(folder + "/sweep.json"));
+  const Json json = sweep_summary(folder);
   EXPECT_EQ(json["status"], "finished");
   EXPECT_EQ(json["points"], 12);
   EXPECT_EQ(json["shard"], (Json{{"number", 2}, {"of", 5}, {"points", 2}}));
@@ -106,12 +96,10 @@ TEST_F(MergeCommand, AShardSaysWhatItIs) {
   EXPECT_EQ(counted, 2);
   EXPECT_EQ(json["performance"]["rows"], 2);
   // Repeated, it runs nothing; its traces are its own points'.
-  const Ended again = sweep({"--shard", "2/5", "--trace", "all"});
-  EXPECT_EQ(again.status, 0) << again.err;
+  const Ended again = expect_status(0, sweep({"--shard", "2/5", "--trace", "all"}));
   EXPECT_TRUE(contains(again.out, "for 0 points")) << again.out;
   EXPECT_FALSE(exists(folder + "/sweep.points/0"));
-  const Ended dry = sweep({"--shard", "5/5", "--dry-run"});
-  EXPECT_EQ(dry.status, 0) << dry.err;
+  const Ended dry = expect_status(0, sweep({"--shard", "5/5", "--dry-run"}));
   EXPECT_TRUE(contains(dry.out, "5 of 5: 2 of these points")) << dry.out;
   for (const std::string wrong : {"0/3", "4/3", "3", "/3", "3/", "", "1/0", "a/b", "1/3/3", "-1/3",
                                   "1/1000000000000000000000"}) {
@@ -125,18 +113,17 @@ TEST_F(MergeCommand, AShardSaysWhatItIs) {
 TEST_F(MergeCommand, WhatIsMissingIsRunInTheMergedFolder) {
   ASSERT_EQ(sweep({"-o", "whole"}).status, 0);
   sweep_shards(3);
-  const Ended ended = merge({"s3", "s1"}, "merged");
-  EXPECT_EQ(ended.status, 1);
-  EXPECT_TRUE(contains(ended.out, "4 of 12 points are missing\n")) << ended.out;
-  EXPECT_TRUE(contains(ended.out, "first point 1, v = 0.01, run.integrator.dt = -1")) << ended.out;
+  const Ended ended = expect_status(1, merge({"s3", "s1"}, "merged"));
+  expect_parts(ended.out,
+               {"4 of 12 points are missing\n", "first point 1, v = 0.01, run.integrator.dt = -1"});
   EXPECT_FALSE(exists("merged/sweep.csv"));
   EXPECT_FALSE(exists("merged/sweep.h5"));
-  EXPECT_EQ(Json::parse(file("merged/sweep.json"))["status"], "interrupted");
+  EXPECT_EQ(sweep_summary("merged")["status"], "interrupted");
   EXPECT_EQ(rows_of("merged"), 8);
   fs::copy(folder_ / "merged", folder_ / "other");
   // Its own scene is the sweep.
   EXPECT_EQ(tomlin({"sweep", "merged/scene.toml", "-o", "merged"}).status, 0);
-  EXPECT_EQ(Json::parse(file("merged/sweep.json"))["performance"]["rows_of_this_process"], 4);
+  EXPECT_EQ(sweep_summary("merged")["performance"]["rows_of_this_process"], 4);
   EXPECT_EQ(results("merged"), results("whole"));
   // Or a later merge brings it.
   EXPECT_EQ(merge({"s2"}, "other").status, 0);
@@ -157,15 +144,13 @@ TEST_F(MergeCommand, TheSceneInTheFolderIsThatOfTheOptions) {
                                          "--observable", "driver.work"};
   ASSERT_EQ(sweep({"-o", "whole"}, {}, axes).status, 0);
   sweep_shards(2, axes);
-  const Ended ended = merge({"s1", "s2"}, "merged");
-  EXPECT_EQ(ended.status, 0) << ended.err;
+  expect_status(0, merge({"s1", "s2"}, "merged"));
   EXPECT_EQ(results("merged"), results("whole"));
 }
 
 TEST_F(MergeCommand, OtherSweepsAreRefusedTogether) {
   sweep_shards(2);
-  ASSERT_EQ(sweep({"--shard", "2/2", "--set", "force.driver.stiffness=3", "-o", "other"}).status,
-            0);
+  expect_status(0, sweep({"--shard", "2/2", "--set", "force.driver.stiffness=3", "-o", "other"}));
   ASSERT_EQ(tomlin({"run", "tip.toml", "-o", "run", "--quiet"}).status, 0);
   expect_refused({"merge", "s1", "other", "run", "none", "s2", "-o", "x"},
                  "other: [resume.other_scene]\nrun: [file.invalid]\nnone: [file.invalid]\n",
@@ -178,9 +163,8 @@ TEST_F(MergeCommand, OtherSweepsAreRefusedTogether) {
   EXPECT_EQ(merge({"s1", "s2"}, "other", {"--force"}).status, 0);
   expect_error(merge({"s1", "s2"}, "s2", {"--force"}), "[command.conflict]");
   // A scene that is not that of the rows.
-  std::string scene = file("s1/scene.toml");
-  scene.replace(scene.find("amplitude = 0.1"), 15, "amplitude = 0.2");
-  write(folder_ / "s1/scene.toml", scene);
+  write(folder_ / "s1/scene.toml",
+        replaced(file("s1/scene.toml"), "amplitude = 0.1", "amplitude = 0.2"));
   expect_error(merge({"s1", "s2"}, "x"), "s1: [resume.other_scene]\ns2: [resume.other_scene]",
                {"scene.toml"});
   EXPECT_FALSE(exists("x"));
@@ -242,8 +226,7 @@ TEST_F(MergeCommand, DamagedJournals) {
   ASSERT_NE(record, std::string::npos);
   changed[record] = 'S';
   write(folder_ / "s2/sweep.journal", changed);
-  const Ended ended = merge({"s1", "s2"}, "x");
-  EXPECT_EQ(ended.status, 1);
+  const Ended ended = expect_status(1, merge({"s1", "s2"}, "x"));
   EXPECT_TRUE(contains(ended.out, "1 of 12 points are missing\n")) << ended.out;
   // The shard runs it again.
   EXPECT_EQ(sweep({"--shard", "2/2", "-o", "s2"}).status, 0);
@@ -259,20 +242,20 @@ TEST_F(MergeCommand, ShardsThatWereKilledGoOn) {
   const auto time_of_all = std::chrono::steady_clock::now() - begin;
   int kills = 0;
   for (const std::string shard : {"1", "2"}) {
-    Conditions conditions;
-    conditions.then = [&](pid_t child) {
-      appears(folder_ / ("s" + shard) / "scene.toml");
-      // A shard takes half of the time of all on this machine.
-      std::this_thread::sleep_for(time_of_all / 10);
-      ::kill(child, shard == "1" ? SIGKILL : SIGTERM);
-    };
-    const Ended ended = sweep({"--shard", shard + "/2", "-o", "s" + shard}, conditions, axes);
+    const Ended ended = sweep({"--shard", shard + "/2", "-o", "s" + shard},
+                              {.then =
+                                   [&](pid_t child) {
+                                     appears(folder_ / ("s" + shard) / "scene.toml");
+                                     // A shard takes half of the time of all on this machine.
+                                     std::this_thread::sleep_for(time_of_all / 10);
+                                     ::kill(child, shard == "1" ? SIGKILL : SIGTERM);
+                                   }},
+                              axes);
     kills += ended.status == 0 ? 0 : 1;
   }
   EXPECT_GT(kills, 0);
   // The points that the killed shards have are merged, too.
-  const Ended part = merge({"s1", "s2"}, "x");
-  EXPECT_EQ(part.status, 1) << part.err;
+  expect_status(1, merge({"s1", "s2"}, "x"));
   sweep_shards(2, axes);
   EXPECT_EQ(merge({"s1", "s2"}, "x").status, 0);
   EXPECT_EQ(results("x"), results("whole"));
@@ -283,9 +266,7 @@ TEST_F(MergeCommand, AFullDiskOrAKillAndAgain) {
   sweep_shards(2);
   const auto sizes = {300L, 1500L, 2500L, 8000L};
   for (const long size : sizes) {
-    Conditions conditions;
-    conditions.largest_file = size;
-    const Ended full = merge({"s1", "s2"}, "x", {}, conditions);
+    const Ended full = merge({"s1", "s2"}, "x", {}, {.largest_file = size});
     EXPECT_EQ(full.status, 1) << size;
     expect_error(full, "[file.cannot_write]");
     EXPECT_FALSE(exists("x/sweep.json")) << size;

@@ -131,12 +131,9 @@ TEST_F(MolecularDynamics, FaultsHaveTheirPlace) {
         "1830.8\n");
   for (const SpoiltTube& spoilt : spoilt_tubes()) {
     SCOPED_TRACE(spoilt.what);
-    const Ended ended = run_of(tube_scene_with(spoilt.old_text, spoilt.new_text));
-    EXPECT_EQ(ended.status, 2);
+    const Ended ended = expect_status(2, run_of(tube_scene_with(spoilt.old_text, spoilt.new_text)));
     EXPECT_EQ(abridged(ended.err), spoilt.errors) << ended.err;
-    for (const std::string& word : spoilt.words) {
-      EXPECT_TRUE(contains(ended.err, word)) << word << "\n" << ended.err;
-    }
+    expect_parts(ended.err, spoilt.words);
     EXPECT_FALSE(fs::exists(folder_ / "out"));
   }
 }
@@ -145,8 +142,7 @@ TEST_F(MolecularDynamics, ThreadsAreANumber) {
   for (const char* wrong : {"0", "-1", "two", "5000", "1.5"}) {
     const Ended ended = run_of(kTubeOnSheet, {"--threads", wrong});
     EXPECT_EQ(ended.status, 2) << wrong;
-    EXPECT_TRUE(contains(ended.err, "--threads")) << ended.err;
-    EXPECT_TRUE(contains(ended.err, "[command.invalid_value]")) << ended.err;
+    expect_parts(ended.err, {"--threads", "[command.invalid_value]"});
     EXPECT_FALSE(fs::exists(folder_ / "out"));
   }
 }
@@ -180,12 +176,13 @@ TEST_F(MolecularDynamics, WhatIsNotRefused) {
   // Its lowest atoms are 1.98 below the centre.
   EXPECT_EQ(run_of(tube_scene_with("5.2]", "3.7]", shorter)).status, 0);
   // In reduced units lengths are what the scene says, and so is the limit.
-  const Ended pair = run_of(
-      "[[body]]\ntype = \"particles\"\npositions = [[0.0, 0.0], [0.006, 0.0]]\n"
-      "particle_mass = 1.0\n[[force]]\ntype = \"lennard_jones\"\nepsilon = 1.0\nsigma = 0.01\n"
-      "cutoff = 0.03\n[run]\nduration = 1e-8\nintegrator = { type = \"velocity_verlet\", dt = "
-      "1e-9 }\n");
-  EXPECT_EQ(pair.status, 0) << pair.err;
+  expect_status(
+      0,
+      run_of(
+          "[[body]]\ntype = \"particles\"\npositions = [[0.0, 0.0], [0.006, 0.0]]\n"
+          "particle_mass = 1.0\n[[force]]\ntype = \"lennard_jones\"\nepsilon = 1.0\nsigma = 0.01\n"
+          "cutoff = 0.03\n[run]\nduration = 1e-8\nintegrator = { type = \"velocity_verlet\", dt = "
+          "1e-9 }\n"));
 }
 
 /// Whether a text contains nan or inf, as printed in a table.
@@ -216,8 +213,7 @@ TEST_F(MolecularDynamics, ARunawayNamesAtomSpeciesAndForce) {
           tube_scene_with(
               "dt = 1e-3", step,
               tube_scene_with("duration = 1.0", "duration = 100.0\nallow_unstable = true", scene)));
-      const Ended ended = run_of(text);
-      EXPECT_EQ(ended.status, 1) << ended.err;
+      const Ended ended = expect_status(1, run_of(text));
       EXPECT_FALSE(contains(ended.err, "file.cannot_write")) << ended.err;
       const Json failure = summary("out")["failure"];
       EXPECT_EQ(failure["code"], "run.step.unstable");
@@ -239,8 +235,7 @@ TEST_F(MolecularDynamics, AThermostatThatFailsIsNamed) {
   const std::string hot =
       tube_scene_with("start_temperature = 300.0", "start_temperature = 1e4",
                       tube_scene_with("temperature = 300.0\nperiod", "temperature = 1e-9\nperiod"));
-  const Ended ended = run_of(hot);
-  EXPECT_EQ(ended.status, 1) << ended.err;
+  expect_status(1, run_of(hot));
   const Json failure = summary("out")["failure"];
   EXPECT_EQ(failure["body"], "tube");
   EXPECT_EQ(failure["force"], "bath") << failure;
@@ -251,8 +246,7 @@ TEST_F(MolecularDynamics, AThermostatThatFailsIsNamed) {
 
 TEST_F(MolecularDynamics, ExplainCountsNeighbours) {
   write(folder_ / "tube.toml", kTubeOnSheet);
-  const Ended ended = tomlin({"explain", "tube.toml", "--json"});
-  ASSERT_EQ(ended.status, 0) << ended.err;
+  const Ended ended = expect_status(0, tomlin({"explain", "tube.toml", "--json"}));
   const Json scene = Json::parse(ended.out);
   // Within 2.1 and the inner skin of 0.17 are three neighbours; two on the same ring, 2.33 away,
   // are not.
@@ -281,8 +275,7 @@ TEST_F(MolecularDynamics, ExplainKnowsNoNeighboursOfAForceThatStartsLater) {
   ASSERT_NE(later.find(type), std::string::npos);
   later.insert(later.find(type), "active = { from = 0.01 }\n");
   write(folder_ / "later.toml", later);
-  const Ended ended = tomlin({"explain", "later.toml", "--json"});
-  ASSERT_EQ(ended.status, 0) << ended.err;
+  const Ended ended = expect_status(0, tomlin({"explain", "later.toml", "--json"}));
   EXPECT_EQ(Json::parse(ended.out)["forces"][0]["neighbours"]["pairs"], 0);
 }
 

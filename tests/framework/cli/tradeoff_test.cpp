@@ -15,23 +15,19 @@ class TradeoffCommand : public Cli {
  protected:
   // The budget is a hundred times what the trade takes, so that no outcome depends on the machine.
   static std::vector<std::string> words(const std::vector<std::string>& more = {}) {
-    std::vector<std::string> all = {"tradeoff",    "tip.toml", "--observable", kForce,
-                                    "--tolerance", "1e-4",     "--budget",     "600"};
-    all.insert(all.end(), more.begin(), more.end());
-    return all;
+    return plus(
+        {"tradeoff", "tip.toml", "--observable", kForce, "--tolerance", "1e-4", "--budget", "600"},
+        more);
   }
   Json result(const std::string& folder) { return Json::parse(file(folder + "/tradeoff.json")); }
 };
 
 TEST_F(TradeoffCommand, RecommendsLinesThatRunAsMeasured) {
-  const Ended ended = tomlin(words({"--write", "cheap.toml", "--set", "v=0.02"}));
-  ASSERT_EQ(ended.status, 0) << ended.err;
+  const Ended ended = expect_status(0, tomlin(words({"--write", "cheap.toml", "--set", "v=0.02"})));
   EXPECT_EQ(ended.err, "");
-  for (const char* part :
-       {"a tip\n", "observable ", "reference ", "other scheme", "quadruple", "determined ",
-        "yes: ", "evaluations", "left out\n", "recommended", "[run]\n", "integrator = { type = "}) {
-    EXPECT_TRUE(contains(ended.out, part)) << part << "\n" << ended.out;
-  }
+  expect_parts(ended.out, {"a tip\n", "observable ", "reference ", "other scheme", "quadruple",
+                           "determined ", "yes: ", "evaluations", "left out\n", "recommended",
+                           "[run]\n", "integrator = { type = "});
   const Json found = result("tip.tradeoff.out");
   EXPECT_EQ(found["status"], "finished");
   EXPECT_EQ(found["observable"], "drivers.driver.mean_force.x");
@@ -41,8 +37,7 @@ TEST_F(TradeoffCommand, RecommendsLinesThatRunAsMeasured) {
 
   // A parameter set, the lines replaced, nothing else touched.
   const std::string text = file("cheap.toml");
-  EXPECT_TRUE(contains(text, "v = 0.02\ntwo_v = \"2 * v\"\n")) << text;
-  EXPECT_TRUE(contains(text, "[output]\nevery = 0.7\n"));
+  expect_parts(text, {"v = 0.02\ntwo_v = \"2 * v\"\n", "[output]\nevery = 0.7\n"});
   ASSERT_EQ(tomlin({"run", "cheap.toml", "-o", "again"}).status, 0);
   const Json again = summary("again");
   EXPECT_EQ(again["drivers"]["driver"]["mean_force"][0], chosen["value"]);
@@ -51,8 +46,7 @@ TEST_F(TradeoffCommand, RecommendsLinesThatRunAsMeasured) {
 }
 
 TEST_F(TradeoffCommand, LeavesATable) {
-  const Ended ended = tomlin(words({"-o", "out"}));
-  ASSERT_EQ(ended.status, 0) << ended.err;
+  expect_status(0, tomlin(words({"-o", "out"})));
   const std::string csv = file("out/tradeoff.csv");
   EXPECT_TRUE(csv.starts_with("rung,dt [time],tolerance,value,error,relative error,"));
   EXPECT_EQ(lines(csv), static_cast<std::ptrdiff_t>(result("out")["points"].size()) + 1);
@@ -73,11 +67,10 @@ TEST_F(TradeoffCommand, DoesNotWriteOverAnything) {
 }
 
 TEST_F(TradeoffCommand, ABudgetThatIsTooSmallIsSaid) {
-  const Ended ended = tomlin({"tradeoff", "tip.toml", "--observable", kForce, "--budget", "0.01",
-                              "--set", "run.duration=1e8", "-o", "out", "--write", "cheap.toml"});
-  EXPECT_EQ(ended.status, 0) << ended.err;
-  EXPECT_TRUE(contains(ended.out, "over budget")) << ended.out;
-  EXPECT_TRUE(contains(ended.out, "no recommendation"));
+  const Ended ended =
+      expect_status(0, tomlin({"tradeoff", "tip.toml", "--observable", kForce, "--budget", "0.01",
+                               "--set", "run.duration=1e8", "-o", "out", "--write", "cheap.toml"}));
+  expect_parts(ended.out, {"over budget", "no recommendation"});
   EXPECT_TRUE(contains(ended.err, "cheap.toml is not written"));
   EXPECT_FALSE(exists("cheap.toml"));
   EXPECT_TRUE(result("out").at("recommendation").is_null());
@@ -98,15 +91,9 @@ TEST_F(TradeoffCommand, RefusesWrongInput) {
 }
 
 TEST_F(TradeoffCommand, AnInterruptLeavesWhatIsKnown) {
-  Conditions conditions;
-  conditions.then = [](pid_t child) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(500));
-    ::kill(child, SIGINT);
-  };
-  const Ended ended = tomlin(
-      {"tradeoff", "tip.toml", "--observable", kForce, "--set", "run.duration=1e7", "-o", "out"},
-      conditions);
-  EXPECT_EQ(ended.status, 130);
+  expect_status(130, tomlin({"tradeoff", "tip.toml", "--observable", kForce, "--set",
+                             "run.duration=1e7", "-o", "out"},
+                            {.then = signal_after(std::chrono::milliseconds(500), SIGINT)}));
   EXPECT_EQ(result("out")["status"], "interrupted");
 }
 

@@ -1,10 +1,24 @@
 #pragma once
 
 #include <csignal>
+#include <functional>
+#include <string>
 
 #include <sys/resource.h>
 
+#include "framework/output/output_file.hpp"
+
 namespace tomlin::test {
+
+/// The message of the OutputError that the action throws; empty if it throws none.
+inline std::string output_error(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const OutputError& error) {
+    return error.what();
+  }
+  return "";
+}
 
 /// No file of this process may grow beyond so many bytes: how a full disk feels.
 class DiskLimit {

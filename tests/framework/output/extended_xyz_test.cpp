@@ -99,31 +99,6 @@ TEST(ExtendedXyz, NamesSpeciesAndIsReadAsItWasWritten) {
   EXPECT_EQ(parse_xyz(content(folder / "space.xyz"), "t.xyz", -1).dimension, 3U);
 }
 
-TEST(ExtendedXyz, HasItsNameOnlyWhenItIsComplete) {
-  const TemporaryFolder folder;
-  {
-    ExtendedXyzWriter writer(folder / "t.xyz", two_bodies(), some_facts());
-    write_frames(writer, two_bodies(), 1000);
-    EXPECT_TRUE(fs::exists(folder / "t.xyz.part"));
-  }
-  EXPECT_FALSE(fs::exists(folder / "t.xyz"));
-}
-
-TEST(ExtendedXyz, ReportsAFullDisk) {
-  const TemporaryFolder folder;
-  const DiskLimit full(1'000'000);
-  ExtendedXyzWriter writer(folder / "t.xyz", line_of(10), some_facts());
-  try {
-    write_frames(writer, line_of(10), 10000);
-    ADD_FAILURE() << "everything was taken";
-  } catch (const OutputError& error) {
-    const std::string message = error.what();
-    EXPECT_NE(message.find((folder / "t.xyz.part").string()), std::string::npos) << message;
-    EXPECT_NE(message.find("File too large"), std::string::npos) << message;
-  }
-  EXPECT_FALSE(fs::exists(folder / "t.xyz"));
-}
-
 /// Another way to the same text: numbers of all sizes, seventeen digits.
 TEST(NumberText, IsThatOfPrintf) {
   std::uint64_t bits = 0x9e3779b97f4a7c15U;

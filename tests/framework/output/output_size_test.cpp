@@ -105,12 +105,7 @@ TEST(OutputSize, AJournalIsNotLarger) {
 }
 
 std::optional<Fault> refusal(const Scene& scene, const OutputSize& size, double room) {
-  try {
-    require_room(scene, size, room);
-    return std::nullopt;
-  } catch (const InputError& error) {
-    return error.faults().at(0);
-  }
+  return first_fault([&] { require_room(scene, size, room); });
 }
 
 OutputSize size_at(Scene& scene, double every) {

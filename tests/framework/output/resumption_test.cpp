@@ -33,16 +33,12 @@ Scene small_scene() {
 void expect_refused(const TemporaryFolder& temporary, const Scene& scene,
                     const std::string& version, const std::string& file, FaultCode code,
                     const std::vector<std::string>& named = {}) {
-  try {
-    find_resumption(RunFolder(temporary.path(), Occupied::go_on), scene, version);
-    FAIL() << "not refused";
-  } catch (const InputError& error) {
-    ASSERT_EQ(error.faults().size(), 1U);
-    const Fault& fault = error.faults()[0];
-    EXPECT_EQ(brief(fault), fmt::format("{} [{}]", (temporary / file).string(), id_of(code)));
-    for (const std::string& name : named) {
-      EXPECT_NE(fault.why.find(name), std::string::npos) << fault.why;
-    }
+  const auto faults = thrown_faults(
+      [&] { find_resumption(RunFolder(temporary.path(), Occupied::go_on), scene, version); });
+  ASSERT_EQ(faults.size(), 1U);
+  EXPECT_EQ(brief(faults[0]), fmt::format("{} [{}]", (temporary / file).string(), id_of(code)));
+  for (const std::string& name : named) {
+    EXPECT_NE(faults[0].why.find(name), std::string::npos) << faults[0].why;
   }
 }
 

@@ -36,12 +36,7 @@ PluginRequest request(const std::filesystem::path& path) {
 
 /// The fault of a library that is not taken.
 std::optional<Fault> refusal(const std::filesystem::path& path, Registry& registry) {
-  try {
-    load_plugins({request(path)}, registry);
-  } catch (const InputError& error) {
-    return error.faults().front();
-  }
-  return std::nullopt;
+  return first_fault([&] { load_plugins({request(path)}, registry); });
 }
 
 std::size_t components(const Registry& registry) {
@@ -178,13 +173,11 @@ TEST(Plugins, TwoThatHaveTheSameName) {
 /// Beside one that is refused the others are loaded, and all refusals are told.
 TEST(Plugins, AllFaultsTogether) {
   Registry registry = standard_registry();
-  try {
+  const auto faults = thrown_faults([&] {
     load_plugins({request("/nowhere/a.so"), request(plugin("morse")), request("/nowhere/b.so")},
                  registry);
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_EQ(error.faults().size(), 2U);
-  }
+  });
+  EXPECT_EQ(faults.size(), 2U);
   EXPECT_NE(registry.force("morse"), nullptr);
 }
 

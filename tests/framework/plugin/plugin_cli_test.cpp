@@ -181,40 +181,33 @@ TEST_F(PluginCli, PathsAreFromTheSceneOrTheCurrentFolder) {
   EXPECT_EQ(tomlin({"check", "deep/plain.toml", "--plugin", "libbeside.so"}).status, 2);
   EXPECT_EQ(tomlin({"check", "deep/plain.toml", "--plugin", "deep/libbeside.so"}).status, 0);
   // The loader's own search path is none of them.
-  const Ended ended = tomlin({"check", "deep/plain.toml", "--plugin", "libelsewhere.so"},
-                             with({std::string("LD_LIBRARY_PATH=") + paths::plugins}));
-  EXPECT_EQ(ended.status, 2);
+  expect_status(2, tomlin({"check", "deep/plain.toml", "--plugin", "libelsewhere.so"},
+                          with({std::string("LD_LIBRARY_PATH=") + paths::plugins})));
 }
 
 TEST_F(PluginCli, EveryCommandTakesThem) {
   write(folder_ / "plain.toml", kBonded);
   EXPECT_EQ(tomlin({"explain", "bonded.toml"}).status, 0);
-  const Ended checked = tomlin({"check", "bonded.toml", "--verbose"});
-  EXPECT_EQ(checked.status, 0) << checked.err;
+  const Ended checked = expect_status(0, tomlin({"check", "bonded.toml", "--verbose"}));
   EXPECT_TRUE(contains(checked.out, "morse conservative")) << checked.out;
-  EXPECT_EQ(tomlin({"compare", "parts.toml", "parts.toml", "--observable", "bond.length"}).status,
-            0);
-  EXPECT_EQ(tomlin({"tradeoff", "bonded.toml", "--observable", "chain.max_speed", "--budget", "1"})
-                .status,
-            0);
+  expect_status(0, tomlin({"compare", "parts.toml", "parts.toml", "--observable", "bond.length"}));
+  expect_status(
+      0, tomlin({"tradeoff", "bonded.toml", "--observable", "chain.max_speed", "--budget", "1"}));
   EXPECT_EQ(tomlin({"describe", "--plugin", "libmorse.so"}).status, 0);
   const Ended described = tomlin({"describe", "--plugin", "libmorse.so", "morse"});
   EXPECT_TRUE(contains(described.out, "comes from\n  the plugin " + path("libmorse.so")))
       << described.out << described.err;
   EXPECT_TRUE(contains(tomlin({"describe", "rk4"}).out, "comes from\n  tomlin itself"));
   const Ended listed = tomlin({"describe", "--plugin", "libparts.so"});
-  EXPECT_TRUE(contains(listed.out, "observers\n  particle_distance")) << listed.out;
-  EXPECT_TRUE(contains(listed.out, "(" + path("libparts.so") + ")"));
+  expect_parts(listed.out, {"observers\n  particle_distance", "(" + path("libparts.so") + ")"});
 }
 
 TEST_F(PluginCli, InQuadruplePrecision) {
   ASSERT_EQ(tomlin({"run", "bonded.toml", "-o", "double"}).status, 0);
   const double exact = summary("double")["energy"]["kinetic"];
   const std::string setting = "run.number_type=\"quadruple\"";
-  ASSERT_EQ(tomlin({"run", "bonded.toml", "--set", setting, "--set",
-                    "run.integrator={ type = \"rk4\", dt = 1e-3 }", "-o", "quadruple"})
-                .status,
-            0);
+  expect_status(0, tomlin({"run", "bonded.toml", "--set", setting, "--set",
+                           "run.integrator={ type = \"rk4\", dt = 1e-3 }", "-o", "quadruple"}));
   constexpr double kToTheScheme = 1e-9;
   EXPECT_NEAR(summary("quadruple")["energy"]["kinetic"].get<double>(), exact, kToTheScheme);
   expect_refused(
@@ -227,8 +220,7 @@ TEST_F(PluginCli, InQuadruplePrecision) {
 
 /// x'' = -k x 2/m about the rest length, by an oscillator of frequency 1.
 TEST_F(PluginCli, BodiesIntegratorsAndObservers) {
-  const Ended ended = tomlin({"run", "parts.toml"});
-  ASSERT_EQ(ended.status, 0) << ended.err;
+  expect_status(0, tomlin({"run", "parts.toml"}));
   const std::string table = file("parts.out/observables.csv");
   EXPECT_TRUE(
       contains(table, ",bond.length [length],bond.growth [length/time],bond.speed [length/time]\n"))
@@ -251,10 +243,9 @@ TEST_F(PluginCli, ObserversGatherAlongTheRun) {
       "{ type = \"rk4\", dt = 1e-2 }",
       "{ type = \"dopri5\", absolute_tolerance = 1e-10, relative_tolerance = 1e-10 }"};
   for (const std::string& scheme : schemes) {
-    const Ended ended =
-        tomlin({"run", "swings.toml", "-o", "out", "--force", "--set", "run.integrator=" + scheme,
-                "--set", "run.duration=20", "--set", "measure.to=15.003"});
-    ASSERT_EQ(ended.status, 0) << ended.err;
+    expect_status(0, tomlin({"run", "swings.toml", "-o", "out", "--force", "--set",
+                             "run.integrator=" + scheme, "--set", "run.duration=20", "--set",
+                             "measure.to=15.003"}));
     const Json swings = summary("out")["observers"]["swings"];
     // The error is of order 4 in steps of 0.01, for a function of size 1 over tens of radians.
     constexpr double kTolerance = 1e-8;
@@ -271,16 +262,14 @@ TEST_F(PluginCli, ObserversGatherAlongTheRun) {
     // Between two steps it is taken for straight: the chord of a tenth.
     EXPECT_NEAR(std::stod(events.substr(first)), 2.0 * 3.141592653589793, 1e-2);
   }
-  const Ended failed = tomlin({"run", "swings.toml"}, with({"FAULT=integrand"}));
-  EXPECT_EQ(failed.status, 1);
+  const Ended failed = expect_status(1, tomlin({"run", "swings.toml"}, with({"FAULT=integrand"})));
   expect_error(failed, "swings.toml: [plugin.error]\n", {"observer swings"});
-  const Ended infinite =
-      tomlin({"run", "swings.toml", "-o", "inf"}, with({"FAULT=infinite_integrand"}));
-  EXPECT_EQ(infinite.status, 1);
+  const Ended infinite = expect_status(
+      1, tomlin({"run", "swings.toml", "-o", "inf"}, with({"FAULT=infinite_integrand"})));
   expect_error(infinite, "swings.toml: [observable.undefined]\n", {"observer swings", " square,"});
   EXPECT_TRUE(summary("inf")["observers"].at("swings").at("mean_square").is_null());
-  const Ended clash = tomlin({"run", "swings.toml", "-o", "none"}, with({"FAULT=clash"}));
-  EXPECT_EQ(clash.status, 2);
+  const Ended clash =
+      expect_status(2, tomlin({"run", "swings.toml", "-o", "none"}, with({"FAULT=clash"})));
   expect_error(clash, "swings.toml:30:1: observer.swings [plugin.error]\n", {"\"mean_away\""});
 }
 
@@ -295,8 +284,7 @@ TEST_F(PluginCli, ObserversSeeRigidBodies) {
       "-o",    "rigid"};
   auto far = rigid;
   far[7] = "observer.bond.second=1";
-  const Ended ended = tomlin(far);
-  ASSERT_EQ(ended.status, 0) << ended.err;
+  expect_status(0, tomlin(far));
   const Json bond = summary("rigid")["observers"]["bond"];
   constexpr double kRounding = 1e-12;
   EXPECT_NEAR(bond["length"].get<double>(), 2.0, kRounding);
@@ -348,8 +336,8 @@ TEST_F(PluginCli, WhatFailsAtRegisteringIsThePlugins) {
 }
 
 TEST_F(PluginCli, WhatFailsAtReadingIsThePlugins) {
-  const Ended ended = tomlin({"run", "faulty.toml"}, with({"FAULT=throw_looking"}));
-  EXPECT_EQ(ended.status, 2);
+  const Ended ended =
+      expect_status(2, tomlin({"run", "faulty.toml"}, with({"FAULT=throw_looking"})));
   expect_error(ended, "faulty.toml:10:8: force.spring.type = \"faulty\" [plugin.error]\n",
                {path("libfaulty.so"), "not looked at, as planned"});
   EXPECT_FALSE(exists("faulty.out/summary.json"));
@@ -382,8 +370,8 @@ TEST_F(PluginCli, WhatRecordsThrowNamesThePlugin) {
     EXPECT_TRUE(ended.status == 1 || ended.status == 2) << ended.status;
     expect_error(ended, " [plugin.error]\n", {path("libfaulty.so"), "as planned"});
   }
-  const Ended ended = tomlin({"explain", "faulty.toml"}, with({"FAULT=throw_element"}));
-  EXPECT_EQ(ended.status, 1);
+  const Ended ended =
+      expect_status(1, tomlin({"explain", "faulty.toml"}, with({"FAULT=throw_element"})));
   EXPECT_EQ(lines(ended.err), 1);
   expect_error(ended, "tomlin: [plugin.error]\n", {"no element, as planned", path("libfaulty.so")});
 }
@@ -412,10 +400,8 @@ TEST_F(PluginCli, TheArithmeticIsTheProgramsOwn) {
     const std::string own = file("own" + scene + "/observables.csv");
     for (const std::string fault : {"flush", "round"}) {
       const std::string out = fault + scene;
-      ASSERT_EQ(
-          tomlin({"run", scene, "--plugin", "libfaulty.so", "-o", out}, with({"FAULT=" + fault}))
-              .status,
-          0);
+      expect_status(0, tomlin({"run", scene, "--plugin", "libfaulty.so", "-o", out},
+                              with({"FAULT=" + fault})));
       EXPECT_EQ(file(out + "/observables.csv"), own) << out;
       EXPECT_EQ(summary(out).at("bodies"), summary("own" + scene).at("bodies")) << out;
     }
@@ -442,9 +428,8 @@ TEST_F(PluginCli, WhatFailsInARunIsThePlugins) {
     EXPECT_LT(result["time"]["end"].get<double>(), 10.0);
     EXPECT_FALSE(exists("after" + after + "/run.checkpoint"));
   }
-  const Ended odd =
-      tomlin({"run", "faulty.toml", "-o", "odd"}, with({"FAULT_AFTER=50", "FAULT=throw_number"}));
-  EXPECT_EQ(odd.status, 1);
+  const Ended odd = expect_status(1, tomlin({"run", "faulty.toml", "-o", "odd"},
+                                            with({"FAULT_AFTER=50", "FAULT=throw_number"})));
   expect_error(odd, "faulty.toml: [plugin.error]\n", {path("libfaulty.so"), "no std::exception"});
   for (const std::string fault : {"crash", "abort", "assert", "overflow"}) {
     const Ended died = tomlin({"run", "faulty.toml", "-o", fault},
@@ -452,20 +437,18 @@ TEST_F(PluginCli, WhatFailsInARunIsThePlugins) {
     EXPECT_GT(died.status, 128) << fault;
     expect_error(died, "tomlin: [plugin.error]\n", {"a crash", path("libfaulty.so")});
   }
-  const Ended checked = tomlin({"check", "faulty.toml"}, with({"FAULT_AFTER=0"}));
-  EXPECT_EQ(checked.status, 1);
+  const Ended checked = expect_status(1, tomlin({"check", "faulty.toml"}, with({"FAULT_AFTER=0"})));
   expect_error(checked, " [plugin.error]\n", {path("libfaulty.so")});
 }
 
 /// Status 0 is the program's to give.
 TEST_F(PluginCli, AForceThatCallsExitIsNoSuccess) {
-  const Ended ended = tomlin({"run", "faulty.toml"}, with({"FAULT_AFTER=50", "FAULT=exit_later"}));
-  EXPECT_EQ(ended.status, 1);
+  const Ended ended = expect_status(
+      1, tomlin({"run", "faulty.toml"}, with({"FAULT_AFTER=50", "FAULT=exit_later"})));
   EXPECT_EQ(lines(ended.err), 1);
   expect_error(ended, "tomlin: [plugin.error]\n", {"exit()", path("libfaulty.so")});
   EXPECT_FALSE(exists("faulty.out/summary.json"));
-  const Ended resumed = tomlin({"run", "faulty.toml", "--resume"});
-  EXPECT_EQ(resumed.status, 0) << resumed.err;
+  expect_status(0, tomlin({"run", "faulty.toml", "--resume"}));
 }
 
 /// Kernels that are called after it would round otherwise: the run fails before they are believed.
@@ -487,35 +470,19 @@ class PluginResume : public PluginCli {
  protected:
   /// Interrupts a long run after its first checkpoint.
   void interrupt(const std::vector<std::string>& arguments, const std::string& out) {
-    Conditions conditions;
-    conditions.then = [&](pid_t program) {
-      ASSERT_TRUE(appears(folder_ / (out + "/run.checkpoint")));
-      std::this_thread::sleep_for(std::chrono::milliseconds(50));
-      ::kill(program, SIGINT);
-    };
-    ASSERT_EQ(tomlin(arguments, conditions).status, 130);
+    ASSERT_EQ(tomlin(arguments, {.then =
+                                     [&](pid_t program) {
+                                       ASSERT_TRUE(appears(folder_ / (out + "/run.checkpoint")));
+                                       std::this_thread::sleep_for(std::chrono::milliseconds(50));
+                                       ::kill(program, SIGINT);
+                                     }})
+                  .status,
+              130);
   }
   std::vector<std::string> long_run() {
     return {"run", "parts.toml", "--set", "run.duration=2000", "-o", "out"};
   }
 };
-
-TEST_F(PluginResume, GoesOnWithTheSameLibrary) {
-  auto whole = long_run();
-  whole.back() = "whole";
-  ASSERT_EQ(tomlin(whole).status, 0);
-  interrupt(long_run(), "out");
-  auto on = long_run();
-  on.emplace_back("--resume");
-  const Ended ended = tomlin(on);
-  ASSERT_EQ(ended.status, 0) << ended.err;
-  EXPECT_EQ(file("out/observables.csv"), file("whole/observables.csv"));
-  Json one = summary("out");
-  Json other = summary("whole");
-  one.erase("performance");
-  other.erase("performance");
-  EXPECT_EQ(one, other);
-}
 
 TEST_F(PluginResume, WhatObserversHaveGatheredGoesOn) {
   const auto run = [](const std::string& out) {
@@ -523,18 +490,17 @@ TEST_F(PluginResume, WhatObserversHaveGatheredGoesOn) {
   };
   ASSERT_EQ(tomlin(run("whole")).status, 0);
   interrupt(run("out"), "out");
-  auto on = run("out");
-  on.emplace_back("--resume");
-  ASSERT_EQ(tomlin(on).status, 0);
-  EXPECT_EQ(file("out/events.csv"), file("whole/events.csv"));
-  EXPECT_EQ(summary("out").at("observers"), summary("whole").at("observers"));
+  ASSERT_EQ(tomlin(plus(run("out"), {"--resume"})).status, 0);
+  for (const std::string name : {"/events.csv", "/observables.csv"}) {
+    EXPECT_EQ(file("out" + name), file("whole" + name)) << name;
+  }
+  EXPECT_EQ(comparable_summary("out"), comparable_summary("whole"));
   EXPECT_GT(summary("out")["observers"]["swings"]["passages"].get<double>(), 30.0);
 }
 
 TEST_F(PluginResume, AnotherOrAMissingLibraryIsRefused) {
   interrupt(long_run(), "out");
-  auto on = long_run();
-  on.emplace_back("--resume");
+  std::vector<std::string> on = plus(long_run(), {"--resume"});
   const std::string before = examine_plugin(folder_ / "libparts.so").hash;
   const std::string whole = file("libparts.so");
   write(folder_ / "libparts.so", whole + "\n");  // as good a library, with another content
@@ -545,12 +511,10 @@ TEST_F(PluginResume, AnotherOrAMissingLibraryIsRefused) {
   fs::remove(folder_ / "libparts.so");
   expect_refused(on, refused, {path("libparts.so"), before});
   write(folder_ / "libparts.so", whole);
-  auto more = on;
-  more.insert(more.end(), {"--plugin", "libmorse.so"});
-  expect_refused(more, refused, {examine_plugin(folder_ / "libmorse.so").hash});
-  EXPECT_EQ(tomlin({"run", "out/scene.toml", "-o", "out", "--resume", "--set", "run.duration=2000"})
-                .status,
-            0);
+  expect_refused(plus(on, {"--plugin", "libmorse.so"}), refused,
+                 {examine_plugin(folder_ / "libmorse.so").hash});
+  expect_status(
+      0, tomlin({"run", "out/scene.toml", "-o", "out", "--resume", "--set", "run.duration=2000"}));
 }
 
 /// A checkpoint names a library by its content, wherever that lies.
@@ -568,14 +532,10 @@ TEST_F(PluginResume, GoesOnInAnotherFolder) {
   ASSERT_EQ(tomlin(whole).status, 0);
   interrupt(run("here"), "here/out");
   fs::rename(folder_ / "here", folder_ / "there");
-  auto on = run("there");
-  on.emplace_back("--resume");
-  const Ended ended = tomlin(on);
-  ASSERT_EQ(ended.status, 0) << ended.err;
+  expect_status(0, tomlin(plus(run("there"), {"--resume"})));
   EXPECT_EQ(file("there/out/observables.csv"), file("whole/observables.csv"));
   fs::rename(folder_ / "there", folder_ / "back");
-  auto again = run("back");
-  again.emplace_back("--resume");
+  std::vector<std::string> again = plus(run("back"), {"--resume"});
   EXPECT_TRUE(contains(tomlin(again).out, "finished already"));
   // The scene is compared all the same.
   again.insert(again.end(), {"--set", "observer.bond.second=0"});
@@ -600,23 +560,23 @@ TEST_F(PluginResume, OfARunThatIsOverAnotherLibraryIsRefused) {
 // ---- a new one
 
 TEST_F(PluginCli, NewPluginWritesAFolder) {
-  const Ended ended = tomlin({"new", "plugin", "my_force"});
-  ASSERT_EQ(ended.status, 0) << ended.err;
-  for (const char* name : {"my_force.hpp", "my_force.cpp", "my_force.toml", "CMakeLists.txt",
-                           "test_my_force.py", "README.md"}) {
-    const std::string text = file(std::string("my_force/") + name);
-    EXPECT_FALSE(text.empty()) << name;
-    EXPECT_FALSE(contains(text, "plugin_name") || contains(text, "PluginName")) << name;
+  struct Made {
+    std::string name;
+    std::vector<std::string> option;
+    std::string part;  // of the source
+  };
+  for (const Made& made : {Made{"my_force", {}, "TOMLIN_DECLARE_KERNELS(MyForce)"},
+                           Made{"my_pairs", {"--pairs"}, "pair_potential<MyPairs"}}) {
+    expect_status(0, tomlin(plus({"new", "plugin", made.name}, made.option)));
+    for (const std::string& name :
+         {made.name + ".hpp", made.name + ".cpp", made.name + ".toml",
+          std::string("CMakeLists.txt"), "test_" + made.name + ".py", std::string("README.md")}) {
+      const std::string text = file(made.name + "/" + name);
+      EXPECT_FALSE(text.empty()) << name;
+      EXPECT_FALSE(contains(text, "plugin_name") || contains(text, "PluginName")) << name;
+    }
+    EXPECT_TRUE(contains(file(made.name + "/" + made.name + ".cpp"), made.part));
   }
-  EXPECT_TRUE(contains(file("my_force/my_force.cpp"), "TOMLIN_DECLARE_KERNELS(MyForce)"));
-  ASSERT_EQ(tomlin({"new", "plugin", "my_pairs", "--pairs"}).status, 0);
-  for (const char* name : {"my_pairs.hpp", "my_pairs.cpp", "my_pairs.toml", "CMakeLists.txt",
-                           "test_my_pairs.py", "README.md"}) {
-    const std::string text = file(std::string("my_pairs/") + name);
-    EXPECT_FALSE(text.empty()) << name;
-    EXPECT_FALSE(contains(text, "plugin_name") || contains(text, "PluginName")) << name;
-  }
-  EXPECT_TRUE(contains(file("my_pairs/my_pairs.cpp"), "pair_potential<MyPairs"));
   EXPECT_EQ(tomlin({"new", "pt", "--pairs"}).status, 2);
   expect_refused({"new", "plugin", "my_force"}, "-o: my_force [file.exists]\n");
   EXPECT_EQ(tomlin({"new", "plugin", "my_force", "--force"}).status, 0);

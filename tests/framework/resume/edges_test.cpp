@@ -5,6 +5,7 @@
 #include <thread>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "tests/framework/resume/resume_fixture.hpp"
@@ -40,16 +41,9 @@ checkpoint_every = 0.01
 )";
 
 std::string perturbed() {
-  std::string text = kToAnAccuracy;
-  const std::string accuracy = "accuracy = 1e-5";
-  return text.replace(text.find(accuracy), accuracy.size(),
-                      "integrator = { type = \"rk4\", dt = 1e-2 }\n"
-                      "perturb = { size = 1e-9, repeats = 3 }");
-}
-
-std::string long_run() {
-  std::string text = kShortRun;
-  return text.replace(text.find("duration = 1.5"), 14, "duration = 1e6");
+  return replaced(kToAnAccuracy, "accuracy = 1e-5",
+                  "integrator = { type = \"rk4\", dt = 1e-2 }\n"
+                  "perturb = { size = 1e-9, repeats = 3 }");
 }
 
 class Edges : public Cli {
@@ -63,9 +57,7 @@ class Edges : public Cli {
 
   Ended run(const std::string& scene, const std::string& out,
             const std::vector<std::string>& more = {}, const Conditions& conditions = {}) {
-    std::vector<std::string> words = {"run", scene, "-o", out};
-    words.insert(words.end(), more.begin(), more.end());
-    return tomlin(words, conditions);
+    return tomlin(plus({"run", scene, "-o", out}, more), conditions);
   }
 
   /// Stopped as soon as the file holds the words.
@@ -81,13 +73,6 @@ class Edges : public Cli {
     };
     return run(scene, out, {"--quiet"}, {.then = stop, .environment = impatient()});
   }
-
-  void expect_goes_on_to_the_same(const std::string& scene, const std::string& out) {
-    ASSERT_EQ(run(scene, "whole", {"--quiet"}).status, 0);
-    const Ended ended = run(scene, out, {"--resume", "--quiet"});
-    EXPECT_EQ(ended.status, 0) << ended.err;
-    EXPECT_EQ(differing(folder_ / "whole", folder_ / out), "");
-  }
 };
 
 // ---- whose folder it is
@@ -95,38 +80,37 @@ class Edges : public Cli {
 /// Long before there is anything to write.
 TEST_F(Edges, ARunOwnsItsFolderWhileItsPilotIsOn) {
   write(folder_ / "slow.toml", kToAnAccuracy + "number_type = \"quadruple\"\n");
-  const Ended first = run(
-      "slow.toml", "out", {}, {.then = [&](pid_t child) {
-        EXPECT_TRUE(appears(folder_ / "out/run.journal"));
-        EXPECT_FALSE(exists("out/scene.toml"));
-        for (const std::vector<std::string>& how :
-             std::vector<std::vector<std::string>>{{}, {"--force"}, {"--resume"}}) {
-          const Ended second = run("scene.toml", "out", how);
-          EXPECT_EQ(second.status, 2);
-          EXPECT_EQ(abridged(second.err), "-o: out [folder.in_use]\n") << second.err;
-        }
-        const Ended study = tomlin({"tradeoff", "scene.toml", "--observable", "driver.mean_force.x",
-                                    "--budget", "1", "-o", "out", "--force"});
-        EXPECT_EQ(study.status, 2);
-        EXPECT_EQ(abridged(study.err), "-o: out [folder.in_use]\n") << study.err;
-        ::kill(child, SIGTERM);
-      }});
-  EXPECT_EQ(first.status, 128 + SIGTERM) << first.err;
+  expect_status(128 + SIGTERM,
+                run("slow.toml", "out", {}, {.then = [&](pid_t child) {
+                      EXPECT_TRUE(appears(folder_ / "out/run.journal"));
+                      EXPECT_FALSE(exists("out/scene.toml"));
+                      for (const std::vector<std::string>& how :
+                           std::vector<std::vector<std::string>>{{}, {"--force"}, {"--resume"}}) {
+                        const Ended second = expect_status(2, run("scene.toml", "out", how));
+                        EXPECT_EQ(abridged(second.err), "-o: out [folder.in_use]\n") << second.err;
+                      }
+                      const Ended study = expect_status(
+                          2,
+                          tomlin({"tradeoff", "scene.toml", "--observable", "driver.mean_force.x",
+                                  "--budget", "1", "-o", "out", "--force"}));
+                      EXPECT_EQ(abridged(study.err), "-o: out [folder.in_use]\n") << study.err;
+                      ::kill(child, SIGTERM);
+                    }}));
   EXPECT_FALSE(exists("out"));  // nothing came of it
 }
 
 TEST_F(Edges, AFolderThatWasMovedAwayLeavesItsNameToOthers) {
   std::map<std::string, std::string> others;
-  const Ended ended = run("long.toml", "out", {},
-                          {.then =
-                               [&](pid_t) {
-                                 EXPECT_TRUE(appears(folder_ / "out/run.checkpoint"));
-                                 fs::rename(folder_ / "out", folder_ / "away");
-                                 EXPECT_EQ(run("scene.toml", "out").status, 0);
-                                 others = files_of(folder_ / "out");
-                               },
-                           .environment = impatient()});
-  EXPECT_EQ(ended.status, 1);
+  const Ended ended =
+      expect_status(1, run("long.toml", "out", {},
+                           {.then =
+                                [&](pid_t) {
+                                  EXPECT_TRUE(appears(folder_ / "out/run.checkpoint"));
+                                  fs::rename(folder_ / "out", folder_ / "away");
+                                  EXPECT_EQ(run("scene.toml", "out").status, 0);
+                                  others = files_of(folder_ / "out");
+                                },
+                            .environment = impatient()}));
   EXPECT_TRUE(contains(ended.err, " [file.cannot_write]\n")) << ended.err;
   EXPECT_EQ(files_of(folder_ / "out"), others);
   // The folder that was moved keeps its checkpoint.
@@ -137,17 +121,13 @@ TEST_F(Edges, AFolderThatWasMovedAwayLeavesItsNameToOthers) {
 
 /// Whatever it is called.
 TEST_F(Edges, ForceNeverTakesAwayWhatTheSceneReads) {
-  std::string scene = kShortRun;
-  const std::string point = "type = \"point\"\nposition = [0.0]";
-  scene.replace(scene.find(point), point.size(), "type = \"particles\"\nfile = \"FILE\"");
+  const std::string scene = from_a_file(kShortRun, "FILE");
   for (const std::string name : {"trajectory.xyz", "observables.csv", "summary.json.part"}) {
     fs::remove_all(folder_ / "here");
     fs::create_directory(folder_ / "here");
     write(folder_ / ("here/" + name), "0.0\n");
-    std::string text = scene;
-    write(folder_ / "here/s.toml", text.replace(text.find("FILE"), 4, name));
-    const Ended ended = run("here/s.toml", "here", {"--force"});
-    EXPECT_EQ(ended.status, 2);
+    write(folder_ / "here/s.toml", replaced(scene, "FILE", name));
+    const Ended ended = expect_status(2, run("here/s.toml", "here", {"--force"}));
     EXPECT_EQ(abridged(ended.err), "-o: here [file.exists]\n") << ended.err;
     EXPECT_TRUE(contains(ended.err, " tip: here/" + name)) << ended.err;
     EXPECT_EQ(file("here/" + name), "0.0\n");
@@ -155,22 +135,20 @@ TEST_F(Edges, ForceNeverTakesAwayWhatTheSceneReads) {
     EXPECT_EQ(run("here/s.toml", "elsewhere", {"--force"}).status, 0);
   }
   write(folder_ / "here/tradeoff.csv", "0.0\n");
-  std::string text = scene;
-  write(folder_ / "here/s.toml", text.replace(text.find("FILE"), 4, "tradeoff.csv"));
-  EXPECT_EQ(tomlin({"tradeoff", "here/s.toml", "--observable", "driver.mean_force.x", "--budget",
-                    "1", "-o", "here", "--force"})
-                .status,
-            2);
+  write(folder_ / "here/s.toml", replaced(scene, "FILE", "tradeoff.csv"));
+  expect_status(2, tomlin({"tradeoff", "here/s.toml", "--observable", "driver.mean_force.x",
+                           "--budget", "1", "-o", "here", "--force"}));
   EXPECT_EQ(file("here/tradeoff.csv"), "0.0\n");
 }
 
 /// At once: nothing of the new run could be written.
 TEST_F(Edges, AReplacementThatTheDiskHadNoRoomForGoesOn) {
   ASSERT_EQ(run("scene.toml", "out", {"--set", "run.duration=0.9"}).status, 0);
-  const Ended full = run("scene.toml", "out", {"--force"}, {.largest_file = 500});
-  EXPECT_EQ(full.status, 1);
+  const Ended full = expect_status(1, run("scene.toml", "out", {"--force"}, {.largest_file = 500}));
   EXPECT_TRUE(contains(full.err, "File too large")) << full.err;
-  expect_goes_on_to_the_same("scene.toml", "out");
+  expect_status(0, run("scene.toml", "whole", {"--quiet"}));
+  expect_status(0, run("scene.toml", "out", {"--resume", "--quiet"}));
+  EXPECT_EQ(differing(folder_ / "whole", folder_ / "out"), "");
 }
 
 /// Files of commands that were killed.
@@ -179,9 +157,8 @@ TEST_F(Edges, WhatIsUnfinishedBlocksNothing) {
   EXPECT_EQ(tomlin({"schema", "-o", "schema.json"}).status, 0);
   fs::create_directory(folder_ / "study");
   write(folder_ / "study/tradeoff.csv.part", "");
-  const Ended ended = tomlin({"tradeoff", "scene.toml", "--observable", "driver.mean_force.x",
-                              "--budget", "1", "-o", "study", "--force"});
-  EXPECT_EQ(ended.status, 0) << ended.err;
+  expect_status(0, tomlin({"tradeoff", "scene.toml", "--observable", "driver.mean_force.x",
+                           "--budget", "1", "-o", "study", "--force"}));
   EXPECT_TRUE(exists("study/tradeoff.csv"));
   EXPECT_FALSE(exists("study/tradeoff.csv.part"));
   EXPECT_FALSE(exists("study/run.journal"));
@@ -190,86 +167,89 @@ TEST_F(Edges, WhatIsUnfinishedBlocksNothing) {
 /// Before the work, not after it.
 TEST_F(Edges, WhereResultsCannotBeWrittenIsFoundAtOnce) {
   fs::create_directories(folder_ / "study/tradeoff.json");
-  const Ended study = tomlin({"tradeoff", "scene.toml", "--observable", "driver.mean_force.x",
-                              "--budget", "1e9", "-o", "study", "--force"});
-  EXPECT_EQ(study.status, 2);
+  const Ended study =
+      expect_status(2, tomlin({"tradeoff", "scene.toml", "--observable", "driver.mean_force.x",
+                               "--budget", "1e9", "-o", "study", "--force"}));
   EXPECT_EQ(abridged(study.err), "-o: study/tradeoff.json [file.cannot_write]\n") << study.err;
-  const Ended write = tomlin({"tradeoff", "scene.toml", "--observable", "driver.mean_force.x",
-                              "--budget", "1e9", "-o", "other", "--write", "none/scene.toml"});
-  EXPECT_EQ(write.status, 2);
+  const Ended write =
+      expect_status(2, tomlin({"tradeoff", "scene.toml", "--observable", "driver.mean_force.x",
+                               "--budget", "1e9", "-o", "other", "--write", "none/scene.toml"}));
   EXPECT_EQ(abridged(write.err), "--write: none/scene.toml [file.cannot_write]\n") << write.err;
   EXPECT_FALSE(exists("other"));
 }
 
 // ---- before and after the run proper
 
-TEST_F(Edges, ASignalWhileErrorsAreEstimatedIsNoEnd) {
-  const Ended ended = stopped_at("accurate.toml", "out", "run.store", "companion");
-  ASSERT_EQ(ended.status, 128 + SIGTERM) << ended.err;
-  const Json stopped = summary("out");
-  EXPECT_EQ(stopped["status"], "interrupted");
-  EXPECT_FALSE(stopped.contains("error"));
-  EXPECT_TRUE(exists("out/run.checkpoint"));
-  expect_goes_on_to_the_same("accurate.toml", "out");
-  EXPECT_TRUE(summary("out").contains("error"));
-  EXPECT_FALSE(exists("out/run.store"));
-}
-
-TEST_F(Edges, AKillWhileErrorsAreEstimatedIsNoEndEither) {
-  const Ended ended = stopped_at("accurate.toml", "out", "run.store", "companion", SIGKILL);
-  ASSERT_EQ(ended.status, 128 + SIGKILL);
-  EXPECT_FALSE(exists("out/summary.json"));
-  expect_goes_on_to_the_same("accurate.toml", "out");
-}
-
-TEST_F(Edges, PerturbedStartsThatAreOverAreKept) {
-  const Ended ended = stopped_at("perturbed.toml", "out", "run.store", "perturbed start 2");
-  ASSERT_EQ(ended.status, 128 + SIGTERM) << ended.err;
-  EXPECT_EQ(summary("out")["status"], "interrupted");
-  expect_goes_on_to_the_same("perturbed.toml", "out");
-}
-
-/// A cache: what is damaged, or of another scene, is computed again.
-TEST_F(Edges, AStoreThatIsNoneIsNotTaken) {
-  ASSERT_EQ(stopped_at("perturbed.toml", "out", "run.store", "perturbed start 2").status,
-            128 + SIGTERM);
-  std::string store = file("out/run.store");
-  store[store.size() / 2] = static_cast<char>(store[store.size() / 2] ^ 1);
-  write(folder_ / "out/run.store", store);
-  expect_goes_on_to_the_same("perturbed.toml", "out");
+/// A signal or a kill in what follows a run, which takes up what its store has. The store is a
+/// cache: what is damaged in it is computed again.
+TEST_F(Edges, WhatFollowsARunIsContinued) {
+  struct Stopped {
+    std::string scene;
+    std::string words;  // in the store when the run is stopped
+    int signal;
+    bool damages = false;
+  };
+  for (const Stopped& one :
+       {Stopped{"accurate", "companion", SIGTERM}, Stopped{"accurate", "companion", SIGKILL},
+        Stopped{"perturbed", "perturbed start 2", SIGTERM},
+        Stopped{"perturbed", "perturbed start 2", SIGTERM, true}}) {
+    SCOPED_TRACE(fmt::format("{}, signal {}, damages {}", one.scene, one.signal, one.damages));
+    const std::string scene = one.scene + ".toml";
+    const bool estimates = one.scene == "accurate";
+    if (!exists(one.scene)) expect_status(0, run(scene, one.scene, {"--quiet"}));
+    fs::remove_all(folder_ / "out");
+    expect_status(128 + one.signal, stopped_at(scene, "out", "run.store", one.words, one.signal));
+    if (one.signal == SIGKILL) {
+      EXPECT_FALSE(exists("out/summary.json"));
+    } else {
+      EXPECT_EQ(summary("out")["status"], "interrupted");
+    }
+    if (one.signal == SIGTERM && estimates) {
+      EXPECT_FALSE(summary("out").contains("error"));
+      EXPECT_TRUE(exists("out/run.checkpoint"));
+    }
+    if (one.damages) {
+      std::string store = file("out/run.store");
+      store[store.size() / 2] = static_cast<char>(store[store.size() / 2] ^ 1);
+      write(folder_ / "out/run.store", store);
+    }
+    expect_status(0, run(scene, "out", {"--resume", "--quiet"}));
+    EXPECT_EQ(differing(folder_ / one.scene, folder_ / "out"), "");
+    if (!estimates) continue;
+    EXPECT_TRUE(summary("out").contains("error"));
+    EXPECT_FALSE(exists("out/run.store"));
+  }
 }
 
 // ---- signals
 
 TEST_F(Edges, WhateverAsksForAnEndStopsTheRun) {
-  for (const int signal : {SIGHUP, SIGUSR1, SIGXCPU}) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGXCPU}) {
     const std::string out = "signal-" + std::to_string(signal);
-    const Ended ended = run("long.toml", out, {},
-                            {.then =
-                                 [&](pid_t child) {
-                                   EXPECT_TRUE(appears(folder_ / (out + "/run.checkpoint")));
-                                   ::kill(child, signal);
-                                 },
-                             .environment = impatient()});
-    EXPECT_EQ(ended.status, 128 + signal) << ended.err;
+    expect_status(128 + signal, run("long.toml", out, {},
+                                    {.then = signal_at(folder_ / (out + "/run.checkpoint"), signal),
+                                     .environment = impatient()}));
     EXPECT_EQ(summary(out)["status"], "interrupted");
-    EXPECT_TRUE(exists(out + "/run.checkpoint"));
+    EXPECT_LT(summary(out)["time"]["end"], 1e6);
+    for (const char* name : {"/run.checkpoint", "/observables.csv", "/scene.toml"}) {
+      EXPECT_TRUE(exists(out + name)) << name;
+    }
   }
 }
 
 /// A signal is ignored under nohup, and in the background of a script.
 TEST_F(Edges, ASignalThatIsIgnoredStaysIgnored) {
   for (const int signal : {SIGINT, SIGHUP}) {
-    const Ended ended = run(
-        "scene.toml", "out" + std::to_string(signal), {"--set", "run.duration=3e3"},
-        {.then =
-             [&](pid_t child) {
-               EXPECT_TRUE(appears(folder_ / ("out" + std::to_string(signal)) / "run.checkpoint"));
-               ::kill(child, signal);
-             },
-         .environment = impatient(),
-         .ignored = {signal}});
-    EXPECT_EQ(ended.status, 0) << ended.err;
+    expect_status(
+        0, run("scene.toml", "out" + std::to_string(signal), {"--set", "run.duration=3e3"},
+               {.then =
+                    [&](pid_t child) {
+                      EXPECT_TRUE(
+                          appears(folder_ / ("out" + std::to_string(signal)) / "run.checkpoint"));
+                      ::kill(child, signal);
+                    },
+                .environment = impatient(),
+                .ignored = {signal}}));
   }
 }
 

@@ -24,11 +24,10 @@ class FailingDisk : public Cli {
   /// A run with the call of this number going wrong.
   Ended disturbed(const std::vector<std::string>& arguments, const std::string& way, long at,
                   int error = ENOSPC) {
-    std::vector<std::string> environment = impatient();
-    environment.insert(environment.end(),
-                       {"FAILING_CALLS_HOW=" + way, "FAILING_CALLS_AT=" + std::to_string(at),
-                        "FAILING_CALLS_ERROR=" + std::to_string(error),
-                        "FAILING_CALLS_COUNT=" + (folder_ / "count").string()});
+    std::vector<std::string> environment =
+        plus(impatient(), {"FAILING_CALLS_HOW=" + way, "FAILING_CALLS_AT=" + std::to_string(at),
+                           "FAILING_CALLS_ERROR=" + std::to_string(error),
+                           "FAILING_CALLS_COUNT=" + (folder_ / "count").string()});
     return tomlin(arguments, {.environment = environment});
   }
 
@@ -71,8 +70,7 @@ class FailingDisk : public Cli {
   }
 
   void expect_resumed() {
-    const Ended ended = undisturbed(kResume);
-    EXPECT_EQ(ended.status, 0) << ended.err;
+    expect_status(0, undisturbed(kResume));
     EXPECT_EQ(differing(folder_ / "good", folder_ / "bad"), "");
   }
 

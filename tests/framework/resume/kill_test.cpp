@@ -21,7 +21,7 @@ namespace {
 
 /// Moments at which each scene's run is killed; more with TOMLIN_KILL_POINTS.
 int kill_points() {
-  constexpr int kDefault = 10;
+  constexpr int kDefault = 6;
   const char* asked = std::getenv("TOMLIN_KILL_POINTS");
   return asked != nullptr ? std::atoi(asked) : kDefault;
 }
@@ -231,17 +231,13 @@ void Killed::kill_and_resume(const std::vector<Named>& scenes_of_runs, int momen
       for (int time = 0; time < times; ++time) {
         const std::chrono::duration<double> wait(whole * part(random) / times);
         const int signal = kSignals[random() % std::size(kSignals)];
-        const Ended ended = run_in("killed", [&](pid_t child) {
-          std::this_thread::sleep_for(wait);
-          ::kill(child, signal);
-        });
+        const Ended ended = run_in("killed", signal_after(wait, signal));
         EXPECT_TRUE(ended.status == 0 || ended.status == 128 + signal)
             << ended.status << " " << ended.err;
         if (ended.status == 0) continue;
         ++stopped;
       }
-      const Ended ended = run_in("killed");
-      EXPECT_EQ(ended.status, 0) << ended.err;
+      expect_status(0, run_in("killed"));
       EXPECT_EQ(differing(folder_ / "alone", folder_ / "killed"), "");
     }
   }

@@ -18,32 +18,24 @@ class Resume : public Cli {
  protected:
   void SetUp() override {
     write(folder_ / "scene.toml", kShortRun);
-    write(folder_ / "long.toml", text_of_long_run());
-  }
-
-  static std::string text_of_long_run() {
-    std::string text = kShortRun;
-    text.replace(text.find("duration = 1.5"), 14, "duration = 1e6");
-    return text;
+    write(folder_ / "long.toml", long_run());
   }
 
   /// A run that was stopped by this signal, in "out".
   void stop_a_run(int signal) {
-    const Ended ended = tomlin({"run", "long.toml", "-o", "out"},
-                               {.then =
-                                    [&](pid_t child) {
-                                      EXPECT_TRUE(appears(folder_ / "out/run.checkpoint"));
-                                      std::this_thread::sleep_for(std::chrono::milliseconds(50));
-                                      ::kill(child, signal);
-                                    },
-                                .environment = impatient()});
-    ASSERT_EQ(ended.status, 128 + signal) << ended.err;
+    expect_status(128 + signal,
+                  tomlin({"run", "long.toml", "-o", "out"},
+                         {.then =
+                              [&](pid_t child) {
+                                EXPECT_TRUE(appears(folder_ / "out/run.checkpoint"));
+                                std::this_thread::sleep_for(std::chrono::milliseconds(50));
+                                ::kill(child, signal);
+                              },
+                          .environment = impatient()}));
   }
 
   Ended resume(const std::vector<std::string>& more = {}) {
-    std::vector<std::string> words = {"run", "long.toml", "-o", "out", "--resume"};
-    words.insert(words.end(), more.begin(), more.end());
-    return tomlin(words);
+    return tomlin(plus({"run", "long.toml", "-o", "out", "--resume"}, more));
   }
 
   /// Refused at this path with this code, with these names and numbers in the message, and nothing
@@ -52,10 +44,9 @@ class Resume : public Cli {
                           const std::vector<std::string>& named = {},
                           const std::vector<std::string>& more = {}) {
     const auto before = files_of(folder_ / "out");
-    const Ended ended = resume(more);
-    EXPECT_EQ(ended.status, 2);
+    const Ended ended = expect_status(2, resume(more));
     EXPECT_EQ(abridged(ended.err), "--resume: " + path_and_code + "\n") << ended.err;
-    for (const std::string& name : named) EXPECT_TRUE(contains(ended.err, name)) << ended.err;
+    expect_parts(ended.err, named);
     EXPECT_EQ(files_of(folder_ / "out"), before);
   }
 
@@ -76,8 +67,7 @@ TEST_F(Resume, BeginsWhereThereIsNothingYet) {
 TEST_F(Resume, ARunThatHasFinishedStaysAsItIs) {
   ASSERT_EQ(tomlin({"run", "scene.toml", "-o", "out"}).status, 0);
   const auto before = files_of(folder_ / "out");
-  const Ended ended = tomlin({"run", "scene.toml", "-o", "out", "--resume"});
-  EXPECT_EQ(ended.status, 0) << ended.err;
+  const Ended ended = expect_status(0, tomlin({"run", "scene.toml", "-o", "out", "--resume"}));
   EXPECT_TRUE(contains(ended.out, "finished already")) << ended.out;
   EXPECT_EQ(files_of(folder_ / "out"), before);
   expect_refused_for("out/scene.toml [resume.other_scene]",
@@ -87,12 +77,10 @@ TEST_F(Resume, ARunThatHasFinishedStaysAsItIs) {
 TEST_F(Resume, ARunThatFailedWouldFailAgain) {
   const std::vector<std::string> failing = {"--set", "run.integrator.dt=100", "--set",
                                             "run.duration=1e3"};
-  std::vector<std::string> words = {"run", "scene.toml", "-o", "out", "--resume"};
-  words.insert(words.end(), failing.begin(), failing.end());
+  std::vector<std::string> words = plus({"run", "scene.toml", "-o", "out", "--resume"}, failing);
   ASSERT_EQ(tomlin(words).status, 1);
   EXPECT_FALSE(exists("out/run.journal"));
-  const Ended ended = tomlin(words);
-  EXPECT_EQ(ended.status, 1);
+  const Ended ended = expect_status(1, tomlin(words));
   EXPECT_EQ(abridged(ended.err), "scene.toml: [resume.impossible]\n") << ended.err;
   EXPECT_TRUE(contains(ended.err, "dt = 100")) << ended.err;
 }
@@ -101,13 +89,14 @@ TEST_F(Resume, ARunThatWasStoppedSaysHowToGoOn) {
   stop_a_run(SIGTERM);
   EXPECT_EQ(summary("out")["status"], "interrupted");
   EXPECT_TRUE(exists("out/observables.csv"));
-  const Ended ended = tomlin({"run", "long.toml", "-o", "out"});
-  EXPECT_EQ(ended.status, 2);
+  const Ended ended = expect_status(2, tomlin({"run", "long.toml", "-o", "out"}));
   EXPECT_EQ(abridged(ended.err), "-o: out [file.exists]\n") << ended.err;
   EXPECT_TRUE(contains(ended.err, "--resume")) << ended.err;
   EXPECT_TRUE(exists("out/run.checkpoint"));
   // Not both at once.
   EXPECT_EQ(resume({"--force"}).status, 2);
+  expect_status(0, tomlin({"run", "scene.toml", "-o", "out", "--force"}));
+  EXPECT_FALSE(exists("out/run.checkpoint"));
 }
 
 TEST_F(Resume, AnotherSceneIsRefusedWithItsFirstDifference) {
@@ -118,13 +107,10 @@ TEST_F(Resume, AnotherSceneIsRefusedWithItsFirstDifference) {
 
 /// A file that a scene reads is part of it.
 TEST_F(Resume, ChangedPositionsAreAnotherScene) {
-  std::string scene = text_of_long_run();
-  const std::string point = "type = \"point\"\nposition = [0.0]";
-  scene.replace(scene.find(point), point.size(), "type = \"particles\"\nfile = \"places.dat\"");
-  write(folder_ / "long.toml", scene);
-  write(folder_ / "places.dat", "0.0\n");
+  write(folder_ / "long.toml", from_a_file(long_run(), "positions.dat"));
+  write(folder_ / "positions.dat", "0.0\n");
   stop_a_run(SIGTERM);
-  write(folder_ / "places.dat", "0.25\n");
+  write(folder_ / "positions.dat", "0.25\n");
   expect_refused_for("out/run.journal [resume.other_scene]", {"0.25"});
 }
 
@@ -169,8 +155,8 @@ TEST_F(Resume, DamagedFilesAreRefused) {
 TEST_F(Resume, WhateverFollowsTheCheckpointIsDropped) {
   const std::vector<std::string> run = {"run", "scene.toml", "-o", "out", "--resume"};
   ASSERT_EQ(tomlin({"run", "scene.toml", "-o", "whole"}).status, 0);
-  std::vector<std::string> environment = impatient();
-  environment.insert(environment.end(), {"FAILING_CALLS_HOW=kill", "FAILING_CALLS_AT=30"});
+  std::vector<std::string> environment =
+      plus(impatient(), {"FAILING_CALLS_HOW=kill", "FAILING_CALLS_AT=30"});
   for (const std::string garbage :
        {"x", "TOMR", "a whole lot of it, longer than a record's head"}) {
     fs::remove_all(folder_ / "out");
@@ -183,20 +169,20 @@ TEST_F(Resume, WhateverFollowsTheCheckpointIsDropped) {
 }
 
 TEST_F(Resume, TwoRunsNeverShareAFolder) {
-  const Ended first =
-      tomlin({"run", "long.toml", "-o", "out"},
-             {.then =
-                  [&](pid_t child) {
-                    EXPECT_TRUE(appears(folder_ / "out/run.checkpoint"));
-                    for (const std::string how : {"--resume", "--force"}) {
-                      const Ended second = tomlin({"run", "long.toml", "-o", "out", how});
-                      EXPECT_EQ(second.status, 2);
-                      EXPECT_EQ(abridged(second.err), "-o: out [folder.in_use]\n") << second.err;
-                    }
-                    ::kill(child, SIGTERM);
-                  },
-              .environment = impatient()});
-  EXPECT_EQ(first.status, 128 + SIGTERM) << first.err;
+  expect_status(128 + SIGTERM,
+                tomlin({"run", "long.toml", "-o", "out"},
+                       {.then =
+                            [&](pid_t child) {
+                              EXPECT_TRUE(appears(folder_ / "out/run.checkpoint"));
+                              for (const std::string how : {"--resume", "--force"}) {
+                                const Ended second = expect_status(
+                                    2, tomlin({"run", "long.toml", "-o", "out", how}));
+                                EXPECT_EQ(abridged(second.err), "-o: out [folder.in_use]\n")
+                                    << second.err;
+                              }
+                              ::kill(child, SIGTERM);
+                            },
+                        .environment = impatient()}));
   EXPECT_EQ(summary("out")["status"], "interrupted");
 }
 
@@ -204,16 +190,16 @@ TEST_F(Resume, TwoRunsNeverShareAFolder) {
 TEST_F(Resume, AFolderThatGoesAwayEndsTheRun) {
   for (const bool made_anew : {false, true}) {
     fs::remove_all(folder_ / "out");
-    const Ended ended = tomlin({"run", "long.toml", "-o", "out"},
-                               {.then =
-                                    [&](pid_t) {
-                                      EXPECT_TRUE(appears(folder_ / "out/run.checkpoint"));
-                                      fs::rename(folder_ / "out", folder_ / "away");
-                                      fs::remove_all(folder_ / "away");
-                                      if (made_anew) fs::create_directory(folder_ / "out");
-                                    },
-                                .environment = impatient()});
-    EXPECT_EQ(ended.status, 1);
+    const Ended ended =
+        expect_status(1, tomlin({"run", "long.toml", "-o", "out"},
+                                {.then =
+                                     [&](pid_t) {
+                                       EXPECT_TRUE(appears(folder_ / "out/run.checkpoint"));
+                                       fs::rename(folder_ / "out", folder_ / "away");
+                                       fs::remove_all(folder_ / "away");
+                                       if (made_anew) fs::create_directory(folder_ / "out");
+                                     },
+                                 .environment = impatient()}));
     EXPECT_TRUE(contains(ended.err, " [file.cannot_write]\n")) << ended.err;
     EXPECT_FALSE(exists("out/observables.csv"));
     EXPECT_FALSE(exists("out/run.checkpoint"));
@@ -224,14 +210,15 @@ TEST_F(Resume, AFullDiskKeepsTheLastCheckpoint) {
   ASSERT_EQ(tomlin({"run", "scene.toml", "-o", "whole", "--set", "run.duration=60"}).status, 0);
   const std::vector<std::string> run = {"run",   "scene.toml",      "-o",      "out",
                                         "--set", "run.duration=60", "--resume"};
-  const Ended full = tomlin(run, {.largest_file = 9000});
-  EXPECT_EQ(full.status, 1);
-  EXPECT_TRUE(contains(full.err, "File too large")) << full.err;
+  const Ended full = expect_status(1, tomlin(run, {.largest_file = 9000}));
+  EXPECT_EQ(abridged(full.err), "tomlin: [file.cannot_write]\n");
+  expect_parts(full.err, {"File too large", "out/run.journal"});
   EXPECT_EQ(summary("out")["status"], "failed");
+  EXPECT_LT(summary("out")["time"]["end"], 60.0);
+  EXPECT_TRUE(exists("out/run.checkpoint"));
   EXPECT_TRUE(contains(summary("out")["failure"]["what"], "cannot write out/"));
   EXPECT_FALSE(exists("out/observables.csv"));
-  const Ended ended = tomlin(run);
-  EXPECT_EQ(ended.status, 0) << ended.err;
+  expect_status(0, tomlin(run));
   EXPECT_EQ(differing(folder_ / "whole", folder_ / "out"), "");
 }
 
@@ -263,25 +250,21 @@ TEST_F(Resume, AFullFileSystemKeepsTheLastCheckpointToo) {
                                              "output.every=0.05"};
   const auto run = [&](const std::string& out, const std::vector<std::string>& more,
                        const Conditions& conditions = {}) {
-    std::vector<std::string> words = {"run", "scene.toml", "-o", out};
-    words.insert(words.end(), settings.begin(), settings.end());
-    words.insert(words.end(), more.begin(), more.end());
-    return tomlin(words, conditions);
+    return tomlin(plus(plus({"run", "scene.toml", "-o", out}, settings), more), conditions);
   };
   ASSERT_EQ(run("whole", {}).status, 0);
-  const Ended full = run("disk/out", {}, {.then = [&](pid_t child) {
-                           EXPECT_TRUE(appears(folder_ / "disk/out/run.checkpoint"));
-                           // The run waits meanwhile, however slowly the disk is filled.
-                           ::kill(child, SIGSTOP);
-                           std::ofstream(folder_ / "disk/other") << std::string(8 << 20, 'x');
-                           ::kill(child, SIGCONT);
-                         }});
-  EXPECT_EQ(full.status, 1);
+  const Ended full =
+      expect_status(1, run("disk/out", {}, {.then = [&](pid_t child) {
+                             EXPECT_TRUE(appears(folder_ / "disk/out/run.checkpoint"));
+                             // The run waits meanwhile, however slowly the disk is filled.
+                             ::kill(child, SIGSTOP);
+                             std::ofstream(folder_ / "disk/other") << std::string(8 << 20, 'x');
+                             ::kill(child, SIGCONT);
+                           }}));
   EXPECT_TRUE(contains(full.err, "No space left on device")) << full.err;
   EXPECT_FALSE(exists("disk/out/observables.csv"));
   ASSERT_TRUE(disk.grow());
-  const Ended ended = run("disk/out", {"--resume"});
-  EXPECT_EQ(ended.status, 0) << ended.err;
+  expect_status(0, run("disk/out", {"--resume"}));
   EXPECT_EQ(differing(folder_ / "whole", folder_ / "disk/out"), "");
 }
 
@@ -292,19 +275,16 @@ TEST_F(Resume, ARunThatDoesNotFitIsRefusedBeforeItBegins) {
   if (!disk.mounted()) GTEST_SKIP() << "mounting a file system is not allowed here";
   const auto run = [&](const std::string& every, const std::vector<std::string>& more = {},
                        const Conditions& conditions = {}) {
-    std::vector<std::string> words = {
-        "run",   "scene.toml",       "-o",    "disk/out",
-        "--set", "run.duration=600", "--set", "output.every=" + every};
-    words.insert(words.end(), more.begin(), more.end());
-    return tomlin(words, conditions);
+    return tomlin(plus({"run", "scene.toml", "-o", "disk/out", "--set", "run.duration=600", "--set",
+                        "output.every=" + every},
+                       more),
+                  conditions);
   };
-  const Ended refused = run("0.05");
-  EXPECT_EQ(refused.status, 2);
+  const Ended refused = expect_status(2, run("0.05"));
   EXPECT_EQ(abridged(refused.err),
             "--set output.every=0.05: output.every = 0.05 [output.too_large]\n")
       << refused.err;
-  EXPECT_TRUE(contains(refused.err, "12001")) << refused.err;
-  EXPECT_TRUE(contains(refused.err, " 1.05 MB")) << refused.err;
+  expect_parts(refused.err, {"12001", " 1.05 MB"});
   EXPECT_FALSE(exists("disk/out"));
 
   const std::string admissible = "expected: >= ";
@@ -312,22 +292,18 @@ TEST_F(Resume, ARunThatDoesNotFitIsRefusedBeforeItBegins) {
   ASSERT_NE(at, std::string::npos) << refused.err;
   const std::string rest = refused.err.substr(at + admissible.size());
   const std::string every = rest.substr(0, rest.find(','));
-  const Ended stopped = run(every, {}, {.then = [&](pid_t child) {
-                              EXPECT_TRUE(appears(folder_ / "disk/out/run.checkpoint"));
-                              ::kill(child, SIGINT);
-                            }});
-  EXPECT_EQ(stopped.status, 128 + SIGINT) << stopped.err;
+  expect_status(128 + SIGINT,
+                run(every, {}, {.then = signal_at(folder_ / "disk/out/run.checkpoint", SIGINT)}));
   // The space of the files that the run has written is no longer free, but belongs to it.
-  const Ended ended = run(every, {"--resume"});
-  EXPECT_EQ(ended.status, 0) << ended.err;
+  expect_status(0, run(every, {"--resume"}));
   EXPECT_TRUE(exists("disk/out/observables.csv"));
 }
 
 /// No file of the run takes the number of a stream that is closed.
 TEST_F(Resume, ClosedStandardStreamsHarmNothing) {
   ASSERT_EQ(tomlin({"run", "scene.toml", "-o", "whole"}).status, 0);
-  const Ended no_output = tomlin({"run", "scene.toml", "-o", "out"}, {.closed = {1}});
-  EXPECT_EQ(no_output.status, 1);
+  const Ended no_output =
+      expect_status(1, tomlin({"run", "scene.toml", "-o", "out"}, {.closed = {1}}));
   EXPECT_EQ(abridged(no_output.err), "tomlin: [file.cannot_write]\n") << no_output.err;
   EXPECT_EQ(differing(folder_ / "whole", folder_ / "out"), "");
   fs::remove_all(folder_ / "out");

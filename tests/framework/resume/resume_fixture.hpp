@@ -45,6 +45,15 @@ every = 0.1
 trajectory = true
 )";
 
+/// That run, so long that it is stopped in its course.
+inline std::string long_run() { return replaced(kShortRun, "duration = 1.5", "duration = 1e6"); }
+
+/// The scene with the particles of a file in place of its point.
+inline std::string from_a_file(const std::string& scene, const std::string& file) {
+  return replaced(scene, "type = \"point\"\nposition = [0.0]",
+                  "type = \"particles\"\nfile = \"" + file + "\"");
+}
+
 /// Returns an environment in which waiting for the disk costs nothing: a run that is killed, unlike
 /// a power cut, does not depend on it.
 inline std::vector<std::string> impatient() {

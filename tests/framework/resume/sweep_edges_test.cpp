@@ -119,9 +119,7 @@ const std::vector<FileAxis>& file_axes() {
 class SweepEdges : public Cli {
  protected:
   static std::vector<std::string> failing(const std::vector<std::string>& conditions) {
-    std::vector<std::string> environment = impatient();
-    environment.insert(environment.end(), conditions.begin(), conditions.end());
-    return environment;
+    return plus(impatient(), conditions);
   }
   /// A sweep of twelve short points.
   Ended sweep(std::vector<std::string> options, const Conditions& conditions = {}) {
@@ -135,9 +133,6 @@ class SweepEdges : public Cli {
     options.insert(options.begin(), {"merge"});
     options.push_back("--quiet");
     return tomlin(options, conditions);
-  }
-  std::string results(const std::string& folder) {
-    return file(folder + "/sweep.csv") + file(folder + "/sweep.h5") + file(folder + "/scene.toml");
   }
   int calls() { return std::stoi(file("calls")); }
 };
@@ -156,22 +151,20 @@ TEST_F(SweepEdges, FilesOfAxesAreKnownByTheirContent) {
     const std::vector<std::string> arguments = {"sweep",        "scene.toml",   "--over",  one.axis,
                                                 "--observable", one.observable, "--quiet", "-o"};
     const auto into = [&](const std::string& folder, const std::string& shard = "") {
-      std::vector<std::string> all = arguments;
-      all.push_back(folder);
+      std::vector<std::string> all = plus(arguments, {folder});
       if (!shard.empty()) all.insert(all.end(), {"--shard", shard});
       return all;
     };
     ASSERT_EQ(tomlin(into("a")).status, 0) << one.axis;
     EXPECT_EQ(tomlin(into("a")).status, 0);
     const std::string table = file("a/sweep.csv");
-    EXPECT_TRUE(contains(table, "\"p1\",")) << table;
-    EXPECT_TRUE(contains(table, ",finished,\n")) << table;
+    expect_parts(table, {"\"p1\",", ",finished,\n"});
 
     // The scene in the folder is the same sweep, wherever it lies, and a scene to run.
     fs::create_directory(folder_ / "elsewhere");
     fs::copy_file(folder_ / "a/scene.toml", folder_ / "elsewhere/scene.toml");
-    const Ended again = tomlin({"sweep", "elsewhere/scene.toml", "-o", "again", "--quiet"});
-    EXPECT_EQ(again.status, 0) << again.err;
+    const Ended again =
+        expect_status(0, tomlin({"sweep", "elsewhere/scene.toml", "-o", "again", "--quiet"}));
     EXPECT_EQ(results("again"), results("a"));
     EXPECT_EQ(tomlin({"run", "elsewhere/scene.toml", "-o", "b", "--quiet"}).status, 0);
 
@@ -181,8 +174,7 @@ TEST_F(SweepEdges, FilesOfAxesAreKnownByTheirContent) {
     EXPECT_EQ(merge({"s1", "s2", "-o", "m"}).status, 0);
     EXPECT_EQ(results("m"), results("a"));
     write(folder_ / "p2", one.texts[3]);
-    const Ended changed = tomlin(into("a"));
-    EXPECT_EQ(changed.status, 2);
+    const Ended changed = expect_status(2, tomlin(into("a")));
     expect_error(changed, "-o: a [resume.other_scene]", {"files have changed", "p2"});
     EXPECT_FALSE(contains(changed.err, "p1,"));
     EXPECT_EQ(file("a/sweep.csv"), table);
@@ -190,8 +182,7 @@ TEST_F(SweepEdges, FilesOfAxesAreKnownByTheirContent) {
     EXPECT_NE(file("fresh/sweep.csv"), table);
     fs::remove_all(folder_ / "s2");
     ASSERT_EQ(tomlin(into("s2", "2/2")).status, 0);
-    const Ended merged = merge({"s1", "s2", "-o", "other"});
-    EXPECT_EQ(merged.status, 2);
+    const Ended merged = expect_status(2, merge({"s1", "s2", "-o", "other"}));
     expect_error(merged, "[resume.other_scene]", {"s2"});
     EXPECT_FALSE(exists("other"));
   }
@@ -215,9 +206,9 @@ TEST_F(SweepEdges, WordsOfFilesAreNeverPrinted) {
       write(folder_ / "p0", one.texts[0]);
       write(folder_ / "p1", one.texts[1]);
       write(folder_ / "p2", text);
-      const Ended ended = tomlin({"sweep", "scene.toml", "--over", one.axis, "--observable",
-                                  one.observable, "-o", "x", "--force"});
-      EXPECT_EQ(ended.status, 0) << ended.err;
+      const Ended ended =
+          expect_status(0, tomlin({"sweep", "scene.toml", "--over", one.axis, "--observable",
+                                   one.observable, "-o", "x", "--force"}));
       for (const std::string& part : {ended.err, ended.out, file("x/sweep.csv"),
                                       file("x/scene.toml"), file("x/sweep.json")}) {
         EXPECT_FALSE(contains(part, "SECRET")) << part;
@@ -246,11 +237,10 @@ TEST_F(SweepEdges, AMovedFolderIsLeftAlone) {
   EXPECT_EQ(files_of(folder_ / "out"), before);
   EXPECT_FALSE(exists("out/sweep.points"));
   // Its rows are where it is.
-  const Ended rest =
-      tomlin({"sweep", "tip.toml", "--over", "v=1e-2,2e-2", "--observable", "driver.mean_force.x",
-              "--set", "run.duration=2e4", "--set", "run.checkpoint_every=1e-3", "-o", "old"});
-  EXPECT_EQ(rest.status, 0) << rest.err;
-  EXPECT_EQ(Json::parse(file("old/sweep.json"))["performance"]["rows_of_this_process"], 0);
+  expect_status(0, tomlin({"sweep", "tip.toml", "--over", "v=1e-2,2e-2", "--observable",
+                           "driver.mean_force.x", "--set", "run.duration=2e4", "--set",
+                           "run.checkpoint_every=1e-3", "-o", "old"}));
+  EXPECT_EQ(sweep_summary("old")["performance"]["rows_of_this_process"], 0);
 }
 
 /// Whichever open of the journals fails once: no row is lost.
@@ -290,7 +280,7 @@ TEST_F(SweepEdges, WhatCannotBeReadIsNotLost) {
                                                 "FAILING_CALLS_AT=" + std::to_string(k),
                                                 "FAILING_CALLS_ERROR=" + std::to_string(EIO)})});
     EXPECT_EQ(sweep({"-o", "m"}).status, 0) << k;
-    const Json performance = Json::parse(file("m/sweep.json"))["performance"];
+    const Json performance = sweep_summary("m")["performance"];
     EXPECT_LE(performance["rows_of_this_process"], 4) << k;
     EXPECT_EQ(results("m"), results("whole")) << k;
   }
@@ -339,19 +329,18 @@ TEST_F(SweepEdges, WithoutLocksAFolderStillHasOneProgram) {
     const std::vector<std::string> run = {
         "run", "tip.toml", "--set", "run.duration=2e4", "--set", "run.checkpoint_every=1e-3",
         "-o",  "out"};
-    std::vector<std::string> resume = run;
-    resume.push_back("--resume");
-    const Ended first =
+    std::vector<std::string> resume = plus(run, {"--resume"});
+    const Ended first = expect_status(
+        128 + SIGKILL,
         tomlin(run, {.then =
                          [&](pid_t child) {
                            EXPECT_TRUE(appears(folder_ / "out/run.checkpoint"));
-                           const Ended second = tomlin(resume, {.environment = no_locks});
-                           EXPECT_EQ(second.status, 2);
+                           const Ended second =
+                               expect_status(2, tomlin(resume, {.environment = no_locks}));
                            expect_error(second, "-o: out [folder.in_use]", {"run.lock"});
                            ::kill(child, SIGKILL);
                          },
-                     .environment = no_locks});
-    EXPECT_EQ(first.status, 128 + SIGKILL);
+                     .environment = no_locks}));
     EXPECT_TRUE(contains(first.err, "has no locks")) << first.err;
     EXPECT_TRUE(exists("out/run.lock"));
     // The file of a process which has ended keeps nobody away; the file of another machine does.
@@ -360,8 +349,7 @@ TEST_F(SweepEdges, WithoutLocksAFolderStillHasOneProgram) {
     EXPECT_EQ(tomlin(resume, {.environment = no_locks}).status, 2);
     EXPECT_EQ(file("out/run.lock"), "process 1 on another-machine");
     write(folder_ / "out/run.lock", left);
-    const Ended rest = tomlin(resume, {.environment = no_locks});
-    EXPECT_EQ(rest.status, 0) << rest.err;
+    const Ended rest = expect_status(0, tomlin(resume, {.environment = no_locks}));
     EXPECT_EQ(lines(rest.err), 1) << rest.err;
     EXPECT_FALSE(exists("out/run.lock"));
     ASSERT_EQ(sweep({"-o", "s"}, {.environment = no_locks}).status, 0);
@@ -387,7 +375,7 @@ TEST_F(SweepEdges, ASweepOfRefusedPointsFails) {
                                             "-o",           "a"};
   for (int k = 0; k < 2; ++k) {
     EXPECT_EQ(tomlin(refused).status, 1) << k;
-    EXPECT_EQ(Json::parse(file("a/sweep.json"))["counts"]["refused"], 2);
+    EXPECT_EQ(sweep_summary("a")["counts"]["refused"], 2);
   }
   std::vector<std::string> one = refused;
   one[3] = "run.integrator.dt=-1,1e-2";

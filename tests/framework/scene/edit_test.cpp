@@ -5,10 +5,11 @@
 #include <gtest/gtest.h>
 
 #include "framework/core/text/fault.hpp"
+#include "tests/support/text.hpp"
 
 // Settings written into a scene's text: what a person has written besides stays.
 
-namespace tomlin {
+namespace tomlin::test {
 namespace {
 
 constexpr const char* kScene = R"(# about it
@@ -31,11 +32,6 @@ velocity = ["v"]
 
 std::string with(const std::vector<Setting>& settings, std::string text = kScene) {
   return edited(text, "test.toml", settings);
-}
-
-std::string replaced(std::string text, const std::string& old, const std::string& with) {
-  const auto at = text.find(old);
-  return at == std::string::npos ? "absent: " + old : text.replace(at, old.size(), with);
 }
 
 TEST(Edit, ReplacesValuesWhereTheyStand) {
@@ -102,4 +98,4 @@ TEST(Edit, RefusesWhatItCannotPlace) {
 }
 
 }  // namespace
-}  // namespace tomlin
+}  // namespace tomlin::test

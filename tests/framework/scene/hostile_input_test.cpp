@@ -1,6 +1,4 @@
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
 #include <random>
 #include <string>
 #include <utility>
@@ -13,6 +11,7 @@
 #include "framework/scene/document.hpp"
 #include "framework/scene/settings.hpp"
 #include "framework/scene/size_checks.hpp"
+#include "tests/framework/output/temporary_folder.hpp"
 #include "tests/framework/scene/scene_fixture.hpp"
 
 /// Files that are no scenes at all: one clear fault, never a crash.
@@ -225,15 +224,9 @@ TEST(HostileInput, EveryMutationIsReadOrRefused) {
 
 class Files : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = testing::TempDir() + "tomlin_files_" + std::to_string(getpid());
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
-  std::string path(const std::string& name) const { return folder_ + "/" + name; }
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
   void write(const std::string& name, const std::string& text) const {
-    std::ofstream(path(name), std::ios::binary) << text;
+    test::write(folder_ / name, text);
   }
   std::string faults_reading(const std::string& file) const {
     try {
@@ -244,7 +237,7 @@ class Files : public testing::Test {
     return "";
   }
 
-  std::string folder_;
+  TemporaryFolder folder_;
 };
 
 TEST_F(Files, AreRead) {
@@ -261,8 +254,9 @@ TEST_F(Files, ThatCannotBeReadAreRefused) {
   const auto expect_refused = [this](const std::string& file, const std::string& code) {
     expect_one_fault(faults_reading(file), file + ":1:1: [", code);
   };
-  for (const std::string& file : {path("none.toml"), folder_, path("plain/scene.toml"),
-                                  std::string("/dev/zero"), std::string()}) {
+  for (const std::string& file :
+       {path("none.toml"), folder_.path().string(), path("plain/scene.toml"),
+        std::string("/dev/zero"), std::string()}) {
     expect_refused(file, "file.cannot_read");
   }
   expect_refused(path("empty.toml"), "file.invalid");

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -9,6 +8,7 @@
 #include "framework/scene/scene.hpp"
 #include "tests/framework/scene/test_components.hpp"
 #include "tests/support/faults.hpp"
+#include "tests/support/text.hpp"
 
 /// Valid scenes over the test components, and ways to spoil them.
 namespace tomlin::test {
@@ -93,14 +93,6 @@ inline std::string faults_of(std::string_view text, const std::vector<Setting>& 
 inline std::vector<std::string> briefs_of(std::string_view text,
                                           const std::vector<Setting>& settings = {}) {
   return briefs_of([&] { (void)parsed(text, settings); });
-}
-
-/// The scene with its first `old_text` replaced; a test that spoils nothing is no test.
-inline std::string replaced(std::string scene, const std::string& old_text,
-                            const std::string& new_text) {
-  const auto at = scene.find(old_text);
-  if (at == std::string::npos) throw std::logic_error("the scene has no " + old_text);
-  return scene.replace(at, old_text.size(), new_text);
 }
 
 inline std::string replaced(const std::string& old_text, const std::string& new_text) {

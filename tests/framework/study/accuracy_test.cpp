@@ -16,6 +16,7 @@
 #include "tests/support/memory_store.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/scenes.hpp"
+#include "tests/support/text.hpp"
 
 namespace tomlin {
 namespace {
@@ -210,9 +211,8 @@ TEST(AccuracyOf, WhatIsNotAskedForIsLeftOutInTheEnd) {
 
 TEST(AccuracyOf, AnIntegratorAndAnAccuracyAreOneTooMany) {
   const std::string text = std::string(kTip) + "\n";
-  std::string both = text;
-  both.replace(both.find("accuracy = 1e-4"), 15,
-               "accuracy = 1e-4\nintegrator = { type = \"rk4\", dt = 1e-2 }");
+  const std::string both = test::replaced(
+      text, "accuracy = 1e-4", "accuracy = 1e-4\nintegrator = { type = \"rk4\", dt = 1e-2 }");
   EXPECT_THROW(test::scene_of(both), InputError);
   // The one that is set last is meant.
   EXPECT_FALSE(test::scene_of(text, {{"run.integrator", test::fixed_step(1e-2)}})->run.accuracy);
@@ -429,8 +429,8 @@ TEST(AccuracyOf, StoppedInTheCompanionIsInterrupted) {
   RunOptions options;
   options.stop = &stop;
   options.store = &store;
-  std::string slow = kTip;
-  slow.replace(slow.find("6 / v"), 5, "1e3 / v");  // seconds, of which a stop leaves none
+  // Seconds, of which a stop leaves none.
+  const std::string slow = test::replaced(kTip, "6 / v", "1e3 / v");
   const RunResult result = run(test::scene_of(slow), options);
   EXPECT_EQ(result.status, RunStatus::interrupted);
   EXPECT_TRUE(result.errors.empty());

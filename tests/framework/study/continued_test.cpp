@@ -1,13 +1,9 @@
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <map>
-#include <mutex>
 #include <set>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -20,7 +16,9 @@
 #include "framework/study/sweep/runner.hpp"
 #include "framework/study/sweep/sweep_plan.hpp"
 #include "tests/framework/output/temporary_folder.hpp"
+#include "tests/framework/study/sweep_fixture.hpp"
 #include "tests/support/ring_scenes.hpp"
+#include "tests/support/text.hpp"
 
 /// Runs that start where another one has ended, and sweeps of them.
 namespace tomlin::test {
@@ -84,11 +82,6 @@ coefficient = 2.0
 duration = 16.0
 integrator = { type = "rk4", dt = 0.015625 }
 )";
-
-std::string replaced(std::string text, const std::string& old, const std::string& by) {
-  EXPECT_NE(text.find(old), std::string::npos) << old;
-  return text.replace(text.find(old), old.size(), by);
-}
 
 struct ContinuedRun {
   RunResult result;
@@ -307,40 +300,14 @@ TEST(Continued, ResumesToTheSameBits) {
 
 // ---- sweeps
 
-SweepPlan continued_plan(const std::string& text,
-                         const std::vector<std::pair<std::string, std::string>>& over,
+SweepPlan continued_plan(const std::string& text, const AxisTexts& over,
                          const std::vector<std::string>& observables,
                          const std::vector<Setting>& settings = {}) {
-  SweepSettings sweep;
-  for (const auto& [name, values] : over) {
-    sweep.over.push_back(
-        {name, std::get<SweepValues>(SweepValues::parse(values)), {"--over"}, values});
-  }
+  SweepSettings sweep = sweep_over(over);
   sweep.observables = observables;
   sweep.continues = true;
-  return SweepPlan(SceneDocument(text, "test.toml"), standard(), settings, std::move(sweep),
-                   "1.2.3");
+  return plan_of(text, std::move(sweep), settings);
 }
-
-class ContinuedRows : public SweepRows {
- public:
-  bool has(std::size_t point) const override { return before.contains(point); }
-  void keep(std::size_t point, const SweepRow& row) override {
-    const std::lock_guard lock(mutex_);
-    EXPECT_TRUE(rows.emplace(point, row).second) << "twice: " << point;
-  }
-  std::vector<double> numbers(std::size_t column = 0) const {
-    std::vector<double> all;
-    for (const auto& [point, row] : rows) all.push_back(row.numbers[column]);
-    return all;
-  }
-
-  std::set<std::size_t> before;
-  std::map<std::size_t, SweepRow> rows;
-
- private:
-  std::mutex mutex_;
-};
 
 /// A tip in a soft trap over a substrate, pushed to and fro: between two folds there are two
 /// equilibria, and it stays in the one that it came from.
@@ -381,7 +348,7 @@ TEST(ContinuedSweep, ShowsHysteresis) {
   const std::vector<double> forces = {0, 0.2, 0.4, 0.6, 0.8, 1.0, 0.8, 0.6, 0.4, 0.2, 0};
   const SweepPlan plan =
       continued_plan(kPushedTip, {{"F", there_and_back}}, {"tip.centre_of_mass.x"});
-  ContinuedRows rows;
+  RowsInMemory rows;
   ASSERT_TRUE(run_sweep(plan, rows, {.threads = 2}).complete());
   const std::vector<double> x = rows.numbers();
   constexpr double kTwoPi = 6.283185307179586;
@@ -409,7 +376,7 @@ TEST(ContinuedSweep, EachPointStartsFromTheOneBefore) {
       continued_plan(kContinuedTip, {{"force.driver.stiffness", "1,2"}, {"v", "0.1,0.2,0.3"}},
                      {"driver.mean_force.x"});
   EXPECT_EQ(plan.line(), 3);
-  ContinuedRows rows;
+  RowsInMemory rows;
   ASSERT_TRUE(run_sweep(plan, rows, {.threads = 2}).complete());
   for (std::size_t line = 0; line < 2; ++line) {
     FinalState before;
@@ -425,13 +392,10 @@ TEST(ContinuedSweep, EachPointStartsFromTheOneBefore) {
   SweepSettings alone;
   alone.over = plan.axes();
   alone.observables = {"driver.mean_force.x"};
-  const SweepPlan other(SceneDocument(kContinuedTip, "test.toml"), standard(), {}, alone, "1.2.3");
+  const SweepPlan other = plan_of(kContinuedTip, alone);
   EXPECT_NE(other.identity(), plan.identity());
   EXPECT_EQ(other.line(), 1);
-  SceneDocument again(plan.scene_text(), "scene.toml");
-  std::vector<Fault> faults;
-  const auto settings = again.sweep(faults);
-  EXPECT_EQ(SweepPlan(again, standard(), {}, *settings, "1.2.3").identity(), plan.identity());
+  EXPECT_EQ(plan_in(plan.scene_text()).identity(), plan.identity());
 }
 
 /// Nothing is passed over without a word.
@@ -439,7 +403,7 @@ TEST(ContinuedSweep, APointWithoutANeighbourIsRefused) {
   const SweepPlan plan =
       continued_plan(kContinuedTip, {{"v", "0.1,0.2"}, {"run.integrator.dt", "0.01,-1,0.02,0.01"}},
                      {"driver.work"});
-  ContinuedRows rows;
+  RowsInMemory rows;
   EXPECT_TRUE(run_sweep(plan, rows, {}).complete());
   for (std::size_t point = 0; point < 8; ++point) {
     const SweepRow& row = rows.rows[point];
@@ -451,7 +415,7 @@ TEST(ContinuedSweep, APointWithoutANeighbourIsRefused) {
   // A point with other particles is refused, with the reason.
   const SweepPlan counts = continued_plan(RingScene().text(), {{"body.ring.count", "8,9"}},
                                           {"driver.work"}, {{"run.duration", "1"}});
-  ContinuedRows other;
+  RowsInMemory other;
   EXPECT_TRUE(run_sweep(counts, other, {}).complete());
   EXPECT_EQ(other.rows[1].status, SweepStatus::refused);
   EXPECT_NE(other.rows[1].reason.find("8 particles"), std::string::npos) << other.rows[1].reason;
@@ -461,11 +425,11 @@ TEST(ContinuedSweep, APointWithoutANeighbourIsRefused) {
 TEST(ContinuedSweep, WhatIsMissingOfALineIsTheSame) {
   const SweepPlan plan = continued_plan(
       kContinuedTip, {{"force.driver.stiffness", "1,2"}, {"v", "0.1:0.4:4"}}, {"driver.work"});
-  ContinuedRows all;
+  RowsInMemory all;
   ASSERT_TRUE(run_sweep(plan, all, {}).complete());
   for (const std::set<std::size_t>& before :
        {std::set<std::size_t>{0, 1}, {2, 3, 4}, {0, 2, 4, 6}, {1, 3, 5, 7}, {0, 1, 2, 3}}) {
-    ContinuedRows rows;
+    RowsInMemory rows;
     rows.before = before;
     EXPECT_TRUE(run_sweep(plan, rows, {.threads = 3}).complete());
     EXPECT_EQ(rows.rows.size(), 8 - before.size());
@@ -507,11 +471,9 @@ TEST(ContinuedSweep, TheEndOfALineIsKept) {
   FinalState moved = first.end;
   moved.position[0] += Quad(0.25);
   LineEnd(plan, 0, 3, folder.path()).pass(moved);
-  ContinuedRows rows;
+  RowsInMemory rows;
   rows.before = {0, 1};
-  SweepOptions options;
-  options.folder = folder.path();
-  run_sweep(plan, rows, options);
+  run_sweep(plan, rows, {.folder = folder.path()});
   const ContinuedRun from_there = continued(kContinuedTip, plan.settings_at(2), &moved);
   EXPECT_EQ(rows.rows[2].numbers[0], *observable(from_there.result, "driver.work"));
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
@@ -523,25 +485,20 @@ TEST(ContinuedSweep, StoppedAndContinuedItHasTheSameBits) {
       continued_plan(kContinuedTip, {{"force.driver.stiffness", "1,2,3"}, {"v", "0.1:0.4:4"}},
                      {"driver.work", "tip.centre_of_mass.x"},
                      {{"run.duration", "4096"}, {"run.checkpoint_every", "1e-3"}});
-  ContinuedRows all;
+  RowsInMemory all;
   ASSERT_TRUE(run_sweep(plan, all, {.threads = 1}).complete());
   const TemporaryFolder folder;
-  ContinuedRows rows;
+  RowsInMemory rows;
   int stops = 0;
   for (bool complete = false; !complete && stops < 200; ++stops) {
-    ContinuedRows more;
+    RowsInMemory more;
     for (const auto& [point, row] : rows.rows) more.before.insert(point);
-    std::atomic<bool> stop = false;
+    const StopAfter stop(std::chrono::milliseconds(2 + stops % 7));
     SweepOptions options;
     options.threads = 1 + stops % 3;
     options.folder = folder.path();
-    options.stop = &stop;
-    std::thread stopper([&stop, stops] {
-      std::this_thread::sleep_for(std::chrono::milliseconds(2 + stops % 7));
-      stop = true;
-    });
+    options.stop = stop.flag();
     complete = run_sweep(plan, more, options).complete();
-    stopper.join();
     rows.rows.merge(more.rows);
   }
   EXPECT_GT(stops, 2);

@@ -7,6 +7,7 @@
 
 #include "tests/support/faults.hpp"
 #include "tests/support/scenes.hpp"
+#include "tests/support/text.hpp"
 
 // How scenes in metal units are read, and what they are written as.
 
@@ -119,11 +120,6 @@ TEST(MetalScene, HeadingAtTheEnd) {
             300.0 * kBoltzmannInMetal);
 }
 
-std::string with(std::string text, const std::string& before, const std::string& after) {
-  text.replace(text.find(before), before.size(), after);
-  return text;
-}
-
 TEST(MetalScene, Faults) {
   struct Case {
     std::string before, after, fault, part;
@@ -142,7 +138,7 @@ TEST(MetalScene, Faults) {
       {"[\"T\", 250]", "-1.0",
        "test.toml:30:15: force.bath.temperature = -1.0 [scene.out_of_range]", ">= 0"}};
   for (const Case& one : cases) {
-    const std::string found = refusal(with(kAtoms, one.before, one.after));
+    const std::string found = refusal(replaced(kAtoms, one.before, one.after));
     EXPECT_NE(abridged(found).find(one.fault), std::string::npos) << one.fault << "\n" << found;
     EXPECT_NE(found.find(one.part), std::string::npos) << one.part << "\n" << found;
   }

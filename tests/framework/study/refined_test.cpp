@@ -19,6 +19,7 @@
 #include "framework/study/sweep/runner.hpp"
 #include "framework/study/sweep/sweep_journal.hpp"
 #include "tests/framework/output/temporary_folder.hpp"
+#include "tests/framework/study/sweep_fixture.hpp"
 #include "tests/support/ring_scenes.hpp"
 
 /// Points that bisection adds to a sweep.
@@ -67,7 +68,7 @@ duration = 3.0
 )";
 
 struct RefinedAxes {
-  std::vector<std::pair<std::string, std::string>> over;
+  AxisTexts over;
   std::string refine;
   std::string along = "";
   std::string to = "";
@@ -77,18 +78,12 @@ struct RefinedAxes {
 
 SweepPlan refined_plan(const std::string& text, const RefinedAxes& axes,
                        const std::vector<Setting>& settings = {}) {
-  SweepSettings sweep;
-  for (const auto& [name, values] : axes.over) {
-    sweep.over.push_back(
-        {name, std::get<SweepValues>(SweepValues::parse(values)), {"--over"}, values});
-  }
-  for (const auto& zip : axes.zips) sweep.zips.push_back({zip, {"--zip"}});
+  SweepSettings sweep = sweep_over(axes.over, axes.zips);
   sweep.continues = axes.continues;
   sweep.refine.what = {axes.refine, {"--refine"}, ""};
   if (!axes.along.empty()) sweep.refine.along = {axes.along, {"--refine-along"}, ""};
   if (!axes.to.empty()) sweep.refine.to = {axes.to, {"--refine-to"}, ""};
-  return SweepPlan(SceneDocument(text, "test.toml"), standard(), settings, std::move(sweep),
-                   "1.2.3");
+  return plan_of(text, std::move(sweep), settings);
 }
 
 /// A journal that takes so many rows, as if the process was killed then.
@@ -378,11 +373,7 @@ TEST(RefinedSweep, TheSceneWithItsTableIsTheSame) {
        {RefinedAxes{{{"q", "1,2"}, {"p", "0:8:3"}}, kPositionAt3, "q", "0.1"},
         RefinedAxes{{{"q", "1,2"}, {"p", "1:8:3:log"}}, kPositionOfIt}}) {
     const SweepPlan plan = refined_plan(kPlacedParticle, axes);
-    SceneDocument document(plan.scene_text(), "scene.toml");
-    std::vector<Fault> faults;
-    auto settings = document.sweep(faults);
-    ASSERT_TRUE(settings);
-    const SweepPlan again(std::move(document), standard(), {}, *std::move(settings), "1.2.3");
+    const SweepPlan again = plan_in(plan.scene_text());
     EXPECT_EQ(again.scene_text(), plan.scene_text());
     EXPECT_EQ(again.identity(), plan.identity());
     // Another level, width or axis is another sweep.
@@ -396,16 +387,11 @@ TEST(RefinedSweep, TheSceneWithItsTableIsTheSame) {
 }
 
 Found refined_faults(const RefinedAxes& axes) {
-  try {
-    refined_plan(kPlacedParticle, axes);
-  } catch (const InputError& error) {
-    return briefs(error);
-  }
-  return {};
+  return briefs_of([&] { refined_plan(kPlacedParticle, axes); });
 }
 
 TEST(RefinedSweep, AllFaultsTogether) {
-  const std::vector<std::pair<std::string, std::string>> p = {{"p", "0:8:3"}};
+  const AxisTexts p = {{"p", "0:8:3"}};
   EXPECT_EQ(refined_faults({p, kPositionAt3}), Found{});
   EXPECT_EQ(refined_faults({p, "tip.centre_of_mas.x=1"}),
             Found{"tip.centre_of_mas.x [observable.unknown] did you mean "

@@ -5,14 +5,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <fstream>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -29,7 +26,9 @@
 #include "framework/study/sweep/sweep_plan.hpp"
 #include "tests/framework/output/disk_limit.hpp"
 #include "tests/framework/output/temporary_folder.hpp"
+#include "tests/framework/study/sweep_fixture.hpp"
 #include "tests/support/ring_scenes.hpp"
+#include "tests/support/text.hpp"
 
 /// Points of a sweep are runs: the same settings give the same bits.
 namespace tomlin::test {
@@ -65,62 +64,31 @@ integrator = { type = "rk4", dt = 2e-2 }
 
 /// In a bath of temperature T.
 std::string warm_tip() {
-  std::string text = kSweptTip;
-  const std::string friction = "type = \"viscous_damping\"";
-  text.replace(text.find(friction), friction.size(), "type = \"langevin\"\ntemperature = \"T\"");
-  text.replace(text.find("seed = 1"), 8, "T = 0.02");
-  return text.replace(text.find("\"rk4\""), 5, "\"baoab\"");
+  std::string text =
+      replaced(kSweptTip, "type = \"viscous_damping\"", "type = \"langevin\"\ntemperature = \"T\"");
+  text = replaced(text, "seed = 1", "T = 0.02");
+  return replaced(text, "\"rk4\"", "\"baoab\"");
 }
 
 struct SweptAxes {
-  std::vector<std::pair<std::string, std::string>> over;
+  AxisTexts over;
   std::vector<std::vector<std::string>> zips = {};
 };
 
-SweepSettings sweep_over(const SweptAxes& axes, std::vector<std::string> observables) {
-  SweepSettings settings;
-  for (const auto& [name, values] : axes.over) {
-    settings.over.push_back(
-        {name, std::get<SweepValues>(SweepValues::parse(values)), {"--over"}, values});
-  }
-  for (const auto& zip : axes.zips) settings.zips.push_back({zip, {"--zip"}});
-  settings.observables = std::move(observables);
-  settings.observables_location = {"--observable"};
-  return settings;
-}
-
 SweepPlan plan_over(const std::string& text, const SweptAxes& axes,
                     std::vector<std::string> observables = {"driver.mean_force.x"},
-                    const std::vector<Setting>& settings = {}) {
-  return SweepPlan(SceneDocument(text, "test.toml"), standard(), settings,
-                   sweep_over(axes, std::move(observables)), "1.2.3");
+                    const std::vector<Setting>& settings = {},
+                    const std::string& version = "1.2.3") {
+  SweepSettings sweep = sweep_over(axes.over, axes.zips);
+  sweep.observables = std::move(observables);
+  sweep.observables_location = {"--observable"};
+  return plan_of(text, std::move(sweep), settings, version);
 }
 
 std::vector<std::string> faults_of_plan(const std::string& text, const SweptAxes& axes,
                                         const std::vector<std::string>& observables) {
-  try {
-    plan_over(text, axes, observables);
-  } catch (const InputError& error) {
-    return briefs(error);
-  }
-  return {};
+  return briefs_of([&] { plan_over(text, axes, observables); });
 }
-
-/// Rows by point, in memory.
-class RowsInMemory : public SweepRows {
- public:
-  bool has(std::size_t point) const override { return before.contains(point); }
-  void keep(std::size_t point, const SweepRow& row) override {
-    const std::lock_guard lock(mutex_);
-    EXPECT_TRUE(rows.emplace(point, row).second) << "twice: " << point;
-  }
-
-  std::set<std::size_t> before;
-  std::map<std::size_t, SweepRow> rows;
-
- private:
-  std::mutex mutex_;
-};
 
 /// The row of a point, run by itself; nothing when it was stopped.
 std::optional<SweepRow> run_point(const SweepPlan& plan, std::size_t point,
@@ -138,8 +106,6 @@ std::vector<std::uint64_t> bits_of(const std::vector<double>& numbers) {
   for (const double x : numbers) bits.push_back(std::bit_cast<std::uint64_t>(x));
   return bits;
 }
-
-std::string content_of(const std::filesystem::path& path) { return content(path); }
 
 // ---- points
 
@@ -182,8 +148,7 @@ TEST(SweepPlan, AllFaultsTogether) {
 
 /// A scene may lack the keys that its axes set.
 TEST(SweepPlan, OnlyTheAxesNeedToMakeItAScene) {
-  std::string text = kSweptTip;
-  text.replace(text.find("duration = 20.0\n"), 16, "");
+  const std::string text = replaced(kSweptTip, "duration = 20.0\n", "");
   const SweepPlan plan = plan_over(text, {{{"run.duration", "-1,10,20"}, {"v", "1e-2,2e-2"}}});
   RowsInMemory rows;
   EXPECT_TRUE(run_sweep(plan, rows, {}).complete());
@@ -194,18 +159,13 @@ TEST(SweepPlan, OnlyTheAxesNeedToMakeItAScene) {
     EXPECT_EQ(rows.rows[point].numbers[0], *observable(result, "driver.mean_force.x"));
   }
   // The scene that is written has the values of the first point, and is the same sweep.
-  SceneDocument again(plan.scene_text(), "scene.toml");
-  std::vector<Fault> faults;
-  const auto settings = again.sweep(faults);
-  const SweepPlan other(again, standard(), {}, *settings, "1.2.3");
-  EXPECT_EQ(other.identity(), plan.identity());
+  EXPECT_EQ(plan_in(plan.scene_text()).identity(), plan.identity());
 }
 
 /// A key may be one only with what another axis sets.
 TEST(SweepPlan, AValueIsWrongWhereNoOtherAxisMakesItRight) {
-  std::string text = kSweptTip;
-  const std::string old = "{ type = \"rk4\", dt = 2e-2 }";
-  text.replace(text.find(old), old.size(), "{ type = \"dopri5\" }");
+  const std::string text =
+      replaced(kSweptTip, "{ type = \"rk4\", dt = 2e-2 }", "{ type = \"dopri5\" }");
   const std::vector<std::string> work = {"driver.work"};
   EXPECT_EQ(faults_of_plan(text, {{{"run.integrator.dt", "1e-2,2e-2"}}}, work),
             std::vector<std::string>{"run.integrator.dt = 1e-2 [scene.unknown_key]"});
@@ -216,9 +176,8 @@ TEST(SweepPlan, AValueIsWrongWhereNoOtherAxisMakesItRight) {
 }
 
 TEST(SweepPlan, FaultsOfTheSceneComeWithThoseOfAxes) {
-  std::string text = kSweptTip;
-  text.replace(text.find("particle_mass = 1.0"), 19, "particle_mas = 1.0");
-  text.replace(text.find("duration = 20.0\n"), 16, "");
+  std::string text = replaced(kSweptTip, "particle_mass = 1.0", "particle_mas = 1.0");
+  text = replaced(text, "duration = 20.0\n", "");
   EXPECT_EQ(faults_of_plan(text, {{{"run.duration", "1,2"}, {"lambda", "1,2"}}}, {"driver.work"}),
             (std::vector<std::string>{
                 "lambda = 1 [scene.unknown_key]", "7:1 body.tip.particle_mass [scene.missing_key]",
@@ -229,7 +188,7 @@ TEST(SweepPlan, FaultsOfTheSceneComeWithThoseOfAxes) {
                 "v = 2 [scene.duplicate_key]",
                 "11:1 body.tip.particle_mas [scene.unknown_key] did you mean particle_mass"}));
   // Refused at every point, and for nothing but what the axis says.
-  text.replace(text.find("particle_mas ="), 14, "particle_mass =");
+  text = replaced(text, "particle_mas =", "particle_mass =");
   EXPECT_EQ(faults_of_plan(text, {{{"run.duration", "-1,-2"}}}, {"driver.work"}),
             std::vector<std::string>{"run.duration = -1 [scene.out_of_range]"});
 }
@@ -301,11 +260,7 @@ TEST(SweepPlan, TheSceneWithItsTableIsTheSameSweep) {
         {"V0", "0.1,k/20"}},
        {{"run.dynamics", "V0"}}},
       {"driver.mean_force.x", "events.slips"}, {{"k", "3"}});
-  SceneDocument again(plan.scene_text(), "scene.toml");
-  std::vector<Fault> faults;
-  const auto settings = again.sweep(faults);
-  ASSERT_TRUE(settings && faults.empty());
-  const SweepPlan other(again, standard(), {}, *settings, "1.2.3");
+  const SweepPlan other = plan_in(plan.scene_text());
   EXPECT_EQ(other.scene_text(), plan.scene_text());
   EXPECT_EQ(other.identity(), plan.identity());
 }
@@ -322,9 +277,7 @@ struct SweptCase {
 std::vector<SweptCase> cases() {
   const std::string tip = kSweptTip;
   const auto with = [&tip](const std::string& integrator, const std::string& more = "") {
-    std::string text = tip;
-    const std::string old = "integrator = { type = \"rk4\", dt = 2e-2 }";
-    return text.replace(text.find(old), old.size(), "integrator = " + integrator) + more;
+    return replaced(tip, "{ type = \"rk4\", dt = 2e-2 }", integrator) + more;
   };
   const std::vector<std::string> force = {"driver.mean_force.x", "driver.max_force.x",
                                           "tip.centre_of_mass.x", "events.slips", "time.steps"};
@@ -451,11 +404,10 @@ TEST(Sweep, BatchesOfAllKindsGiveTheRowsOfSingleRuns) {
 /// The attachment of a spring belongs to the structure: the first of its values decides nothing
 /// about the others.
 TEST(Sweep, SpringsOfOtherPointsShareNoLanes) {
-  std::string text = kSweptTip;
-  const std::string point = "type = \"point\"\nposition = [0.5]";
-  text.replace(text.find(point), point.size(), "type = \"chain\"\nspacing = 1.2\ncount = 4");
-  text.replace(
-      text.find("[[force]]"), 9,
+  std::string text = replaced(kSweptTip, "type = \"point\"\nposition = [0.5]",
+                              "type = \"chain\"\nspacing = 1.2\ncount = 4");
+  text = replaced(
+      text, "[[force]]",
       "[[force]]\ntype = \"harmonic_bonds\"\npairs = \"neighbours\"\nstiffness = 1.0\n[[force]]");
   const SweepPlan plan =
       plan_over(text,
@@ -506,13 +458,8 @@ TEST(Sweep, LanesResumeFromTheirCheckpoints) {
     for (bool complete = false; !complete;) {
       RowsInMemory now;
       for (const auto& [point, row] : rows) now.before.insert(point);
-      std::atomic<bool> stop = false;
-      std::thread later([&stop] {
-        std::this_thread::sleep_for(std::chrono::milliseconds(60));
-        stop = true;
-      });
-      complete = run_sweep(plan, now, {.stop = &stop, .folder = folder.path()}).complete();
-      later.join();
+      const StopAfter stop(std::chrono::milliseconds(60));
+      complete = run_sweep(plan, now, {.stop = stop.flag(), .folder = folder.path()}).complete();
       rows.insert(now.rows.begin(), now.rows.end());
       if (!complete) ++stops;
     }
@@ -545,13 +492,8 @@ TEST(Sweep, PointsResumeFromTheirCheckpoint) {
     std::optional<SweepRow> row;
     int stops = 0;
     for (; !row && stops < 40; ++stops) {
-      std::atomic<bool> stop = false;
-      std::thread stopper([&stop, stops] {
-        std::this_thread::sleep_for(std::chrono::microseconds(300 * (stops + 1)));
-        stop = true;
-      });
-      row = run_point(plan, 0, &stop, folder.path());
-      stopper.join();
+      const StopAfter stop(std::chrono::microseconds(300 * (stops + 1)));
+      row = run_point(plan, 0, stop.flag(), folder.path());
     }
     if (!row) row = run_point(plan, 0, nullptr, folder.path());
     ASSERT_TRUE(row) << one.name;
@@ -559,9 +501,7 @@ TEST(Sweep, PointsResumeFromTheirCheckpoint) {
     // It is of use until the row is kept, and no longer.
     EXPECT_TRUE(std::filesystem::exists(file)) << one.name;
     RowsInMemory rows;
-    SweepOptions options;
-    options.folder = folder.path();
-    run_sweep(plan, rows, options);
+    run_sweep(plan, rows, {.folder = folder.path()});
     EXPECT_EQ(bits_of(rows.rows[0].numbers), bits_of(expected.numbers)) << one.name;
     EXPECT_FALSE(std::filesystem::exists(file)) << one.name;
   }
@@ -574,13 +514,10 @@ TEST(Sweep, WhatWasDoneOfAPointIsNotDoneAgain) {
       plan_over(kSweptTip, {{{"v", "1e-2,2e-2"}}}, {"time.end"}, {{"run.duration", "1e9"}});
   std::vector<double> times;
   for (int k = 0; k < 2; ++k) {
-    std::atomic<bool> stop = false;
-    std::thread stopper([&stop] {
-      std::this_thread::sleep_for(std::chrono::milliseconds(50));
-      stop = true;
-    });
-    EXPECT_FALSE(run_point(plan, 0, &stop, folder.path()));
-    stopper.join();
+    {
+      const StopAfter stop(std::chrono::milliseconds(50));
+      EXPECT_FALSE(run_point(plan, 0, stop.flag(), folder.path()));
+    }
     const auto kept = [&](int point) {
       const std::string owner = fmt::format("sweep {:x}, point {}", plan.identity(), point);
       return StoreFile(folder / "0.store", owner, 60.0).kept("run");
@@ -596,17 +533,6 @@ TEST(Sweep, WhatWasDoneOfAPointIsNotDoneAgain) {
   }
   EXPECT_GT(times[0], 0.0);
   EXPECT_GT(times[1], times[0]);
-}
-
-TEST(Sweep, WhatHasARowIsNotRunAgain) {
-  const SweepPlan plan = plan_over(kSweptTip, {{{"v", "0.01:0.1:10"}}});
-  RowsInMemory rows;
-  rows.before = {0, 3, 9};
-  const SweepProgress progress = run_sweep(plan, rows, {.threads = 2});
-  EXPECT_EQ(rows.rows.size(), 7);
-  EXPECT_FALSE(rows.rows.contains(3));
-  EXPECT_EQ(progress.before, 3);
-  EXPECT_TRUE(progress.complete());
 }
 
 /// Each point is of one part, parts differ by one point at most, and each has points of every value
@@ -643,14 +569,11 @@ TEST(Sweep, APartRunsItsPointsAlone) {
   const SweepPlan plan = plan_over(kSweptTip, {{{"v", "0.01:0.1:10"}}});
   RowsInMemory rows;
   rows.before = {0, 1};
-  SweepOptions options;
-  options.threads = 2;
-  options.part = {1, 3};  // 1, 3, 8
-  const SweepProgress progress = run_sweep(plan, rows, options);
+  const SweepProgress progress = run_sweep(plan, rows, {.threads = 2, .part = {1, 3}});  // 1, 3, 8
   EXPECT_TRUE(progress.complete());
   EXPECT_EQ(progress.points, 3);
   EXPECT_EQ(progress.before, 1);
-  EXPECT_EQ(rows.rows.size(), 2);
+  EXPECT_EQ(rows.rows.size(), 2) << "those that had a row are not run again";
   EXPECT_TRUE(rows.rows.contains(3));
   EXPECT_TRUE(rows.rows.contains(8));
 }
@@ -679,7 +602,7 @@ class SweepFiles : public testing::Test {
     const SweepJournal rows(journal(), plan);
     write_sweep_table(folder_ / kSweepTableFile, plan, rows);
     write_sweep_arrays(folder_ / kSweepArraysFile, plan, rows);
-    return content_of(folder_ / kSweepTableFile) + content_of(folder_ / kSweepArraysFile);
+    return content(folder_ / kSweepTableFile) + content(folder_ / kSweepArraysFile);
   }
 
   std::string swept(const SweepPlan& plan, std::size_t threads) {
@@ -719,7 +642,7 @@ TEST_F(SweepFiles, TheTableIsInTheOrderOfTheAxes) {
                                      {"run.integrator.dt", "1e-2,-1"}}},
                                    {"events.slips"});
   swept(plan, 2);
-  const std::string table = content_of(folder_ / kSweepTableFile);
+  const std::string table = content(folder_ / kSweepTableFile);
   std::vector<std::string> lines;
   for (std::size_t at = 0; at < table.size();) {
     const std::size_t end = table.find('\n', at);
@@ -761,11 +684,11 @@ TEST_F(SweepFiles, RecordsAreFoundAgain) {
 TEST_F(SweepFiles, WhatIsNoRecordOfThePointIsRunAgain) {
   const SweepPlan plan = plan_over(kSweptTip, {{{"v", "0.02:0.1:5"}}});
   swept(plan, 1);
-  const std::string whole = content_of(journal());
+  const std::string whole = content(journal());
   // The file: a header and five records of one size.
   std::filesystem::remove(journal());
   { const SweepJournal rows(journal(), plan); }
-  const std::size_t header = content_of(journal()).size();
+  const std::size_t header = content(journal()).size();
   const std::size_t record = (whole.size() - header) / 5;
   ASSERT_EQ(header + 5 * record, whole.size());
 
@@ -799,10 +722,10 @@ TEST_F(SweepFiles, WhatIsNoRecordOfThePointIsRunAgain) {
   const SweepPlan other = plan_over(kSweptTip, {{{"v", "0.02:0.2:5"}}});
   EXPECT_EQ(SweepJournal::look(journal(), other), SweepJournal::Found::other_sweep);
   EXPECT_THROW(SweepJournal(journal(), other), OutputError);  // it is never begun anew
-  EXPECT_EQ(content_of(journal()), whole);
+  EXPECT_EQ(content(journal()), whole);
   std::filesystem::remove(journal());
   swept(other, 1);
-  const std::string whole_of_other = content_of(journal());
+  const std::string whole_of_other = content(journal());
   ASSERT_EQ(whole_of_other.size(), whole.size());
   write(journal(), header_of_this + whole_of_other.substr(header));
   EXPECT_EQ(SweepJournal::look(journal(), plan), SweepJournal::Found::same_sweep);
@@ -813,7 +736,7 @@ TEST_F(SweepFiles, WhatIsNoRecordOfThePointIsRunAgain) {
 TEST_F(SweepFiles, ReasonsAreCheckedToo) {
   const SweepPlan plan = plan_over(kSweptTip, {{{"run.integrator.dt", "-1,1e-2"}}});
   swept(plan, 1);
-  std::string changed = content_of(journal());
+  std::string changed = content(journal());
   changed.back() = static_cast<char>(changed.back() ^ 1);
   write(journal(), changed);
   EXPECT_EQ(rows_of(plan), 1);
@@ -822,8 +745,8 @@ TEST_F(SweepFiles, ReasonsAreCheckedToo) {
 TEST_F(SweepFiles, AnotherVersionIsAnotherFile) {
   const SweepPlan plan = plan_over(kSweptTip, {{{"v", "1,2"}}});
   { const SweepJournal rows(journal(), plan); }
-  const SweepPlan newer(SceneDocument(kSweptTip, "test.toml"), standard(), {},
-                        sweep_over({{{"v", "1,2"}}}, {"driver.mean_force.x"}), "1.2.4");
+  const SweepPlan newer =
+      plan_over(kSweptTip, {{{"v", "1,2"}}}, {"driver.mean_force.x"}, {}, "1.2.4");
   EXPECT_EQ(SweepJournal::look(journal(), newer), SweepJournal::Found::other_version);
   EXPECT_EQ(SweepJournal::look(folder_ / "none", newer), SweepJournal::Found::nothing);
 }

@@ -75,31 +75,24 @@ const std::string kPeriodic[] = {"[true, true, true]", "[true, false, true]",
                                  "[false, false, false]"};
 constexpr std::array<double, 3> kBox = {14.8, 14.4, 15.1};
 
+/// Atoms in a box, and atoms that are far outside of it, each by lengths of its own.
 TEST(KimModel, PairsHaveTheForcesOfTheSamePotentialBuiltIn) {
   for (const unsigned seed : kSeedsOfCrystals) {
-    for (const std::string& periodic : kPeriodic) {
-      const auto scene = kim_scene(kMetal + box_of(kBox, periodic) +
-                                   atoms("a", crystal({4, 4, 4}, 3.65, 0.3, seed), "Ar", "Kr") +
-                                   kim_force("tomlin_test_pair", "[\"a\"]") +
-                                   same_pairs("same", "[\"a\"]") + kShortRun);
-      expect_same(found_in(*scene, 0), found_in(*scene, 1));
-    }
-  }
-}
-
-/// Atoms that are far outside the box, each by lengths of its own, are where they are within it.
-TEST(KimModel, AtomsThatHaveLeftTheBoxAreInIt) {
-  for (const unsigned seed : kSeedsOfCrystals) {
-    AtomPositions positions = crystal({4, 4, 4}, 3.65, 0.3, seed);
-    for (std::size_t i = 0; i < positions.size(); ++i) {
+    const AtomPositions inside = crystal({4, 4, 4}, 3.65, 0.3, seed);
+    AtomPositions outside = inside;
+    for (std::size_t i = 0; i < outside.size(); ++i) {
       for (std::size_t d = 0; d < 3; ++d) {
-        positions[i][d] += kBox[d] * static_cast<double>((i * 7 + d * 3) % 11) - 5.0 * kBox[d];
+        outside[i][d] += kBox[d] * static_cast<double>((i * 7 + d * 3) % 11) - 5.0 * kBox[d];
       }
     }
-    const auto scene = kim_scene(
-        kMetal + box_of(kBox, kPeriodic[0]) + atoms("a", positions, "Ar", "Kr") +
-        kim_force("tomlin_test_pair", "[\"a\"]") + same_pairs("same", "[\"a\"]") + kShortRun);
-    expect_same(found_in(*scene, 0), found_in(*scene, 1));
+    const auto compare = [](const AtomPositions& positions, const std::string& periodic) {
+      const auto scene = kim_scene(
+          kMetal + box_of(kBox, periodic) + atoms("a", positions, "Ar", "Kr") +
+          kim_force("tomlin_test_pair", "[\"a\"]") + same_pairs("same", "[\"a\"]") + kShortRun);
+      expect_same(found_in(*scene, 0), found_in(*scene, 1));
+    };
+    for (const std::string& periodic : kPeriodic) compare(inside, periodic);
+    compare(outside, kPeriodic[0]);
   }
 }
 

@@ -41,21 +41,16 @@ class KimPlugin : public Cli {
 };
 
 TEST_F(KimPlugin, RunsAndIsExplained) {
-  const Ended ended = tomlin({"run", "argon.toml"});
-  EXPECT_EQ(ended.status, 0) << ended.err;
+  expect_status(0, tomlin({"run", "argon.toml"}));
   EXPECT_EQ(summary("argon.out")["status"], "finished");
-  const Ended again = tomlin({"run", "argon.out/scene.toml", "-o", "again"});
-  EXPECT_EQ(again.status, 0) << again.err;
+  const Ended again = expect_status(0, tomlin({"run", "argon.out/scene.toml", "-o", "again"}));
   EXPECT_EQ(file("again/observables.csv"), file("argon.out/observables.csv"));
   EXPECT_FALSE(exists("kim.log"));
 
-  const Ended explained = tomlin({"explain", "argon.toml"});
-  EXPECT_EQ(explained.status, 0) << explained.err;
-  for (const char* part : {"tomlin_test_pair", "for Ar, Kr; influence 6 A", "neighbours"}) {
-    EXPECT_TRUE(contains(explained.out, part)) << explained.out;
-  }
-  const Ended described = tomlin({"describe", "--plugin", TOMLIN_KIM_PLUGIN, "kim_model"});
-  EXPECT_EQ(described.status, 0) << described.err;
+  const Ended explained = expect_status(0, tomlin({"explain", "argon.toml"}));
+  expect_parts(explained.out, {"tomlin_test_pair", "for Ar, Kr; influence 6 A", "neighbours"});
+  const Ended described =
+      expect_status(0, tomlin({"describe", "--plugin", TOMLIN_KIM_PLUGIN, "kim_model"}));
   EXPECT_TRUE(contains(described.out, "doi:10.1007/s11837-011-0102-6")) << described.out;
 }
 
@@ -66,8 +61,7 @@ TEST_F(KimPlugin, IsChecked) {
 
 TEST_F(KimPlugin, FaultsHaveTheirPlace) {
   write(folder_ / "argon.toml", scene_of_model("tomlin_test_pear", TOMLIN_KIM_PLUGIN, "0.1"));
-  const Ended ended = tomlin({"run", "argon.toml"});
-  EXPECT_EQ(ended.status, 2);
+  const Ended ended = expect_status(2, tomlin({"run", "argon.toml"}));
   expect_error(
       ended,
       "argon.toml:17:9: force.pot.model = \"tomlin_test_pear\" [scene.unknown_name] did you "
@@ -80,14 +74,9 @@ TEST_F(KimPlugin, IsKilledAndResumedWithTheSameBits) {
   for (const int milliseconds : {300, 500, 900}) {
     SCOPED_TRACE(milliseconds);
     const std::string out = "killed_" + std::to_string(milliseconds);
-    Conditions kill;
-    kill.then = [milliseconds](pid_t program) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
-      ::kill(program, SIGKILL);
-    };
-    tomlin({"run", "long.toml", "-o", out}, kill);
-    const Ended resumed = tomlin({"run", "long.toml", "-o", out, "--resume"});
-    ASSERT_EQ(resumed.status, 0) << resumed.err;
+    tomlin({"run", "long.toml", "-o", out},
+           {.then = signal_after(std::chrono::milliseconds(milliseconds), SIGKILL)});
+    expect_status(0, tomlin({"run", "long.toml", "-o", out, "--resume"}));
     EXPECT_EQ(file(out + "/observables.csv"), file("whole/observables.csv"));
   }
 }
