@@ -1,6 +1,9 @@
 #include <algorithm>
 #include <cstdint>
+#include <map>
+#include <regex>
 #include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -23,86 +26,72 @@ constexpr const char* kDrag = "viscous_damping";
 constexpr const char* kBond = "harmonic_bonds";
 
 /// A chain of particles in the plane, so that bonds have directions and torques.
-const std::string kBonds = R"([[body]]
-type = "chain"
-count = 5
-spacing = 1.1
-particle_mass = 0.7
-origin = [0.3, 0.2]
-[[force]]
-type = "harmonic_bonds"
-pairs = "neighbours"
-stiffness = 3.0
+const std::string kBonds = tables(R"([[body]] | type = "chain" | count = 5 | spacing = 1.1
+particle_mass = 0.7 | origin = [0.3, 0.2]
+[[force]] | type = "harmonic_bonds" | pairs = "neighbours" | stiffness = 3.0
 rest_lengths = 1.0
-[run]
-duration = 1.0
-integrator = { type = "rk4", dt = 1e-3 }
-)";
+[run] | duration = 1.0 | integrator = { type = "rk4", dt = 0.001 }
+)");
 
 /// Two chains, one behind the other in memory, on a substrate that decays.
-const std::string kSubstrate = R"([[body]]
-name = "one"
-type = "chain"
-count = 3
-spacing = 0.8
-particle_mass = 0.7
-origin = [0.3, 0.4]
-[[body]]
-name = "two"
-type = "chain"
-count = 4
-spacing = 0.9
-particle_mass = 0.7
+const std::string kSubstrate = tables(R"([[body]] | name = "one" | type = "chain" | count = 3
+spacing = 0.8 | particle_mass = 0.7 | origin = [0.3, 0.4]
+[[body]] | name = "two" | type = "chain" | count = 4 | spacing = 0.9 | particle_mass = 0.7
 origin = [0.1, 2.0]
-[[force]]
-type = "sinusoidal_substrate"
-body = "one"
-amplitude = 0.2
-period = 1.0
+[[force]] | type = "sinusoidal_substrate" | body = "one" | amplitude = 0.2 | period = 1.0
 decay = 0.7
-[run]
-duration = 1.0
-integrator = { type = "rk4", dt = 1e-3 }
-)";
+[run] | duration = 1.0 | integrator = { type = "rk4", dt = 0.001 }
+)");
 
 /// A ring that moves as one: its particles follow from its centre and its rotation.
-const std::string kRigid = R"([[body]]
-type = "ring"
-count = 5
-radius = 0.5
-centre = [0.3, 0.6]
-particle_mass = 0.7
-coordinates = "rigid"
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = 0.2
-period = 1.0
-decay = 0.7
-[run]
-duration = 1.0
-integrator = { type = "rk4", dt = 1e-3 }
-)";
+const std::string kRigid = tables(R"([[body]] | type = "ring" | count = 5 | radius = 0.5
+centre = [0.3, 0.6] | particle_mass = 0.7 | coordinates = "rigid"
+[[force]] | type = "sinusoidal_substrate" | amplitude = 0.2 | period = 1.0 | decay = 0.7
+[run] | duration = 1.0 | integrator = { type = "rk4", dt = 0.001 }
+)");
 
 const std::string kDriven = TipScene{}.text();
 
 /// A scheme that takes friction as an operator: the drag is looked at as a force all the same.
 const std::string kSplit = TipScene{.integrator = verlet(0.01)}.text();
 
-const std::string kMemory = R"([[body]]
-type = "chain"
-count = 3
-spacing = 1.1
-particle_mass = 0.7
-velocity = [0.4, -0.3]
-origin = [0.3, 0.2]
-[[force]]
-type = "memory_damping"
-coefficient = 1.5
-memory_time = 0.6
-[run]
-duration = 1.0
-integrator = { type = "rk4", dt = 1e-3 }
-)";
+const std::string kMemory = tables(R"([[body]] | type = "chain" | count = 3 | spacing = 1.1
+particle_mass = 0.7 | velocity = [0.4, -0.3] | origin = [0.3, 0.2]
+[[force]] | type = "memory_damping" | coefficient = 1.5 | memory_time = 0.6
+[run] | duration = 1.0 | integrator = { type = "rk4", dt = 0.001 }
+)");
+
+/// The scenes above in m, kg and s: numbers with their power of ten appended.
+std::string in_si_units(const std::string& scene) {
+  if (scene == kDriven || scene == kSplit) {
+    return TipScene{
+        .velocity = 25.0,
+        .stiffness = 2.0,
+        .damping = 1e-14,
+        .amplitude = 1e-20,
+        .period = 1e-10,
+        .position = 1e-11,
+        .duration = 2e-11,
+        .integrator = scene == kSplit ? verlet(1e-14) : "{ type = \"rk4\", dt = 1e-14 }"}
+        .text();
+  }
+  static const std::map<std::string, std::string> powers = {
+      {"spacing", "e-10"},     {"origin", "e-10"},       {"centre", "e-10"},
+      {"radius", "e-10"},      {"period", "e-10"},       {"decay", "e20"},
+      {"amplitude", "e-19"},   {"rest_lengths", "e-10"}, {"velocity", "e2"},
+      {"duration", "e-12"},    {"integrator", "e-12"},   {"memory_time", "e-12"},
+      {"coefficient", "e-14"}, {"particle_mass", "e-26"}};
+  std::istringstream lines(scene);
+  std::string text;
+  for (std::string line; std::getline(lines, line);) {
+    const auto power = powers.find(line.substr(0, line.find(" = ")));
+    if (power != powers.end()) {
+      line = std::regex_replace(line, std::regex("[0-9]+\\.[0-9]+"), "$&" + power->second);
+    }
+    text += line + "\n";
+  }
+  return text;
+}
 
 // ---- right forces
 
@@ -145,6 +134,7 @@ TEST(CheckSuite, AccusesNoneOfTheScenesBelow) {
   for (const std::uint64_t seed : kSeeds) {
     for (const std::string& text : {kBonds, kSubstrate, kRigid, kDriven, kSplit, kMemory}) {
       expect_valid(text, "scene", seed);
+      expect_valid(in_si_units(text), "in SI units", seed);
     }
     expect_valid(RingScene{}.text(), "ring", seed);
     expect_valid(RingScene{.coordinates = "rigid"}.text(), "rigid ring", seed);
@@ -153,22 +143,18 @@ TEST(CheckSuite, AccusesNoneOfTheScenesBelow) {
 
 /// The right forces bound in the way in which the wrong ones are.
 TEST(CheckSuite, AccusesNoSoundForceBoundTheSameWay) {
+  const auto broken = [](const char* force, ForceFactories bind, const std::string& scene) {
+    return SpoiltRegistry(force, bind).broken_in(scene);
+  };
   const std::set<std::string> none;
-  EXPECT_EQ(
-      SpoiltRegistry("sinusoidal_substrate", planted<SinusoidalSubstrate>).broken_in(kSubstrate),
-      none);
-  EXPECT_EQ(SpoiltRegistry("sinusoidal_substrate", planted<SinusoidalSubstrate>).broken_in(kRigid),
-            none);
-  EXPECT_EQ(SpoiltRegistry("viscous_damping", planted<ViscousDamping>).broken_in(kDriven), none);
-  EXPECT_EQ(SpoiltRegistry("harmonic_bonds", bonds_by<HookesLaw>()).broken_in(kBonds), none);
-  EXPECT_EQ(SpoiltRegistry("harmonic_bonds", plain_bonds<HookesLaw, double>).broken_in(kBonds),
-            none);
-  EXPECT_EQ(SpoiltRegistry("harmonic_bonds", bonds_by<CutOffAndShifted>()).broken_in(kBonds), none);
-  EXPECT_EQ(
-      SpoiltRegistry("driving_spring", wrapped<PlainDriver, DrivingSpring>).broken_in(kDriven),
-      none);
-  EXPECT_EQ(SpoiltRegistry("memory_damping", planted_memory<MemoryDamping>).broken_in(kMemory),
-            none);
+  EXPECT_EQ(broken(kSite, planted<SinusoidalSubstrate>, kSubstrate), none);
+  EXPECT_EQ(broken(kSite, planted<SinusoidalSubstrate>, kRigid), none);
+  EXPECT_EQ(broken(kDrag, planted<ViscousDamping>, kDriven), none);
+  EXPECT_EQ(broken(kBond, bonds_by<HookesLaw>(), kBonds), none);
+  EXPECT_EQ(broken(kBond, plain_bonds<HookesLaw, double>, kBonds), none);
+  EXPECT_EQ(broken(kBond, bonds_by<CutOffAndShifted>(), kBonds), none);
+  EXPECT_EQ(broken("driving_spring", wrapped<PlainDriver, DrivingSpring>, kDriven), none);
+  EXPECT_EQ(broken("memory_damping", planted_memory<MemoryDamping>, kMemory), none);
 }
 
 /// Energies that are not smooth everywhere: differences across a kink would accuse them.
@@ -185,16 +171,10 @@ TEST(CheckSuite, AccusesNoKinks) {
 TEST(CheckSuite, AccusesNoFormulaThatEnds) {
   const std::set<std::string> none;
   for (const char* energy : {"-0.5*log(1 - (r/1.5)^2)", "0.1*sqrt(3 - r)"}) {
-    const auto scene = scene_of(std::string(R"--(
-[[body]]
-type = "chain"
-count = 3
-spacing = 1.0
-particle_mass = 1.0
-[[force]]
-type = "expression"
-pairs = "neighbours"
-energy = ")--") + energy + R"--("
+    const auto scene = scene_of(std::string(tables(R"--(
+[[body]] | type = "chain" | count = 3 | spacing = 1.0 | particle_mass = 1.0
+[[force]] | type = "expression" | pairs = "neighbours" | energy = ")--")) +
+                                energy + R"--("
 [run]
 duration = 1.0
 integrator = { type = "rk4", dt = 1e-3 }
@@ -530,20 +510,27 @@ bool among(const std::set<std::string>& broken, const std::string& property) {
   });
 }
 
+/// Returns the properties that a fault broke in a scene, its own among them.
+std::set<std::string> expect_caught(const Fault& fault, const SpoiltRegistry& registry,
+                                    const std::string& scene, std::uint64_t seed) {
+  const std::set<std::string> broken = registry.broken_in(scene, seed);
+  EXPECT_TRUE(among(broken, fault.property))
+      << "not caught by \"" << fault.property << "\" with seed " << seed << ", of " << broken.size()
+      << " broken properties" << (broken.empty() ? "" : ", the first \"" + *broken.begin() + "\"");
+  return broken;
+}
+
+constexpr std::uint64_t kFaultSeeds[] = {1, 2, 3};
+
 TEST(CheckSuite, CatchesEveryPlantedFault) {
   const std::vector<Fault> all = faults();
   EXPECT_GE(all.size(), 40u);
   for (const Fault& fault : all) {
     SCOPED_TRACE(fault.name);
     const SpoiltRegistry registry(fault.force, fault.bind, fault.change);
-    for (const std::uint64_t seed : {std::uint64_t{1}, std::uint64_t{2}, std::uint64_t{3}}) {
-      const std::set<std::string> broken = registry.broken_in(fault.scene, seed);
-      EXPECT_TRUE(among(broken, fault.property))
-          << "not caught by \"" << fault.property << "\" with seed " << seed << ", of "
-          << broken.size() << " broken properties"
-          << (broken.empty() ? "" : ", the first \"" + *broken.begin() + "\"");
+    for (const std::uint64_t seed : kFaultSeeds) {
       // Whatever else is broken, it is this force that did it.
-      for (const std::string& name : broken) {
+      for (const std::string& name : expect_caught(fault, registry, fault.scene, seed)) {
         const std::string flagged = name.substr(0, name.find(':'));
         const bool is_driver = fault.force == "driving_spring" && flagged == "driver";
         const bool is_sum = flagged == kAllForces;  // it makes the sum of all wrong, too
@@ -551,97 +538,6 @@ TEST(CheckSuite, CatchesEveryPlantedFault) {
       }
     }
   }
-}
-
-/// The scenes above in m, kg and s, by their names there.
-std::string in_si_units(const std::string& scene) {
-  if (scene == kBonds) {
-    return R"([[body]]
-type = "chain"
-count = 5
-spacing = 1.1e-10
-particle_mass = 0.7e-26
-origin = [0.3e-10, 0.2e-10]
-[[force]]
-type = "harmonic_bonds"
-pairs = "neighbours"
-stiffness = 3.0
-rest_lengths = 1.0e-10
-[run]
-duration = 1e-12
-integrator = { type = "rk4", dt = 1e-15 }
-)";
-  }
-  if (scene == kSubstrate) {
-    return R"([[body]]
-name = "one"
-type = "chain"
-count = 3
-spacing = 0.8e-10
-particle_mass = 0.7e-26
-origin = [0.3e-10, 0.4e-10]
-[[body]]
-name = "two"
-type = "chain"
-count = 4
-spacing = 0.9e-10
-particle_mass = 0.7e-26
-origin = [0.1e-10, 2.0e-10]
-[[force]]
-type = "sinusoidal_substrate"
-body = "one"
-amplitude = 2e-20
-period = 1e-10
-decay = 0.7e20
-[run]
-duration = 1e-12
-integrator = { type = "rk4", dt = 1e-15 }
-)";
-  }
-  if (scene == kRigid) {
-    return R"([[body]]
-type = "ring"
-count = 5
-radius = 0.5e-10
-centre = [0.3e-10, 0.6e-10]
-particle_mass = 0.7e-26
-coordinates = "rigid"
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = 2e-20
-period = 1e-10
-decay = 0.7e20
-[run]
-duration = 1e-12
-integrator = { type = "rk4", dt = 1e-15 }
-)";
-  }
-  if (scene == kMemory) {
-    return R"([[body]]
-type = "chain"
-count = 3
-spacing = 1.1e-10
-particle_mass = 0.7e-26
-velocity = [40.0, -30.0]
-origin = [0.3e-10, 0.2e-10]
-[[force]]
-type = "memory_damping"
-coefficient = 1.5e-14
-memory_time = 0.6e-12
-[run]
-duration = 1e-12
-integrator = { type = "rk4", dt = 1e-15 }
-)";
-  }
-  return TipScene{.velocity = 25.0,
-                  .stiffness = 2.0,
-                  .damping = 1e-14,
-                  .amplitude = 1e-20,
-                  .period = 1e-10,
-                  .position = 1e-11,
-                  .duration = 2e-11,
-                  .integrator = scene == kSplit ? verlet(1e-14) : "{ type = \"rk4\", dt = 1e-14 }"}
-      .text();
 }
 
 TEST(CheckSuite, CatchesEveryPlantedFaultInSIUnits) {
@@ -653,20 +549,8 @@ TEST(CheckSuite, CatchesEveryPlantedFaultInSIUnits) {
     if (not_there.count(fault.name) == 1) continue;
     SCOPED_TRACE(fault.name);
     const SpoiltRegistry registry(fault.force, fault.bind, fault.change);
-    for (const std::uint64_t seed : {std::uint64_t{1}, std::uint64_t{2}, std::uint64_t{3}}) {
-      const std::set<std::string> broken = registry.broken_in(in_si_units(fault.scene), seed);
-      EXPECT_TRUE(among(broken, fault.property))
-          << "not caught by \"" << fault.property << "\" with seed " << seed << ", of "
-          << broken.size() << " broken properties"
-          << (broken.empty() ? "" : ", the first \"" + *broken.begin() + "\"");
-    }
-  }
-}
-
-TEST(CheckSuite, AccusesNoneOfThoseScenesInSIUnits) {
-  for (const std::uint64_t seed : kSeeds) {
-    for (const std::string& text : {kBonds, kSubstrate, kRigid, kDriven, kSplit, kMemory}) {
-      expect_valid(in_si_units(text), "in SI units", seed);
+    for (const std::uint64_t seed : kFaultSeeds) {
+      expect_caught(fault, registry, in_si_units(fault.scene), seed);
     }
   }
 }

@@ -65,31 +65,30 @@ TEST(Conformance, EveryForceHasItsVerifiedProperties) {
   EXPECT_EQ(kinds.size(), 18u);
 }
 
-/// Every remainder of a group of eight, twice over; sanitizers see each once, or it takes minutes.
+/// Every remainder of a group of eight, some after a whole group; sanitizers see each once, or it
+/// takes minutes.
 #ifdef __has_feature
 #define TOMLIN_HAS_FEATURE(name) __has_feature(name)
 #else
 #define TOMLIN_HAS_FEATURE(name) 0
 #endif
 #if defined(__SANITIZE_ADDRESS__) || TOMLIN_HAS_FEATURE(address_sanitizer)
-constexpr std::size_t kLargestBody = 9;
+const std::vector<std::size_t> kBodies = {1, 2, 3, 4, 5, 6, 7, 8, 9};
 #else
-constexpr std::size_t kLargestBody = 19;
+const std::vector<std::size_t> kBodies = {1, 2, 3, 4, 5, 6, 7, 8, 9, 12, 15, 16, 17};
 #endif
 
 TEST(Conformance, BodiesOfEverySize) {
-  std::vector<std::size_t> counts;
-  for (std::size_t count = 1; count <= kLargestBody; ++count) counts.push_back(count);
   for (const auto& record : standard().forces()) {
     if (has_scenes_of_its_own(*record)) continue;
     SCOPED_TRACE(record->name);
     Conformance check(*record);
-    check.examine_everywhere(99, counts);
+    check.examine_everywhere(99, kBodies);
     const bool in_space_alone = record->name == "tersoff";
     constexpr int kOfEach = 7;  // scenes of so many particles at least, of a dozen arrangements
     constexpr int kOfEachInSpace = 4;  // all of those in three dimensions
     EXPECT_GE(check.examined(),
-              (in_space_alone ? kOfEachInSpace : kOfEach) * static_cast<int>(kLargestBody));
+              (in_space_alone ? kOfEachInSpace : kOfEach) * static_cast<int>(kBodies.size()));
     Broken broken = check.broken();
     if (in_space_alone) {
       // Particles at distances of 1, 2, 3: at R + D = 3.0 of silicon second derivatives jump.

@@ -344,15 +344,10 @@ TEST(EnergyMap, InASceneItIsTheSurfaceThatItWasTakenFrom) {
       grid.numbers.push_back(std::cos(p) + std::cos(q) + std::cos(p + q));
     }
   }
-  const std::string pulled = R"([[force]]
-name = "driver"
-type = "driving_spring"
-stiffness = 2.0
-velocity = [1.0, 0.3]
-[[force]]
-type = "viscous_damping"
-coefficient = 1.0
-)";
+  const std::string pulled = tables(R"([[force]] | name = "driver" | type = "driving_spring"
+stiffness = 2.0 | velocity = [1.0, 0.3]
+[[force]] | type = "viscous_damping" | coefficient = 1.0
+)");
   const std::string lattice = "lattice = \"hexagonal\"\nperiod = 1.0\nmisfit = 0.2\n";
   const RunResult map =
       run_text(tip_on(lattice + inline_map(grid) + "energy_scale = 0.1\n", "0.3, 0.1", pulled));

@@ -23,40 +23,18 @@ namespace {
 
 std::string ring(const std::string& substrate, const std::string& coordinates,
                  const std::string& centre = "[0.0, 1.0]") {
-  return R"(
-[parameters]
-N = 8
-V0 = 0.1
-lambda = 1.0
-a = 1.0
-[[body]]
-type = "ring"
-count = "N"
-radius = 1.0
-particle_mass = "1 / N"
-centre = )" +
-         centre + "\ncoordinates = \"" + coordinates + R"("
-[[force]]
-type = "harmonic_bonds"
-pairs = "all"
-stiffness = 100.0
-[[force]]
-name = "driver"
-type = "driving_spring"
-stiffness = 2.0
-velocity = [1e-2, 0.0]
-[[force]]
-type = "viscous_damping"
-coefficient = "2 * sqrt(2) / N"
-[[force]]
-name = "substrate"
-)" + substrate +
-         R"(
-[run]
-duration = 20.0
-ledger = true
-integrator = { type = "rk4", dt = 5e-3 }
-)";
+  return tables(R"(
+[parameters] | N = 8 | V0 = 0.1 | lambda = 1.0 | a = 1.0
+[[body]] | type = "ring" | count = "N" | radius = 1.0 | particle_mass = "1 / N" | centre = )") +
+         centre + "\ncoordinates = \"" + coordinates + tables(R"("
+[[force]] | type = "harmonic_bonds" | pairs = "all" | stiffness = 100.0
+[[force]] | name = "driver" | type = "driving_spring" | stiffness = 2.0 | velocity = [1e-2, 0.0]
+[[force]] | type = "viscous_damping" | coefficient = "2 * sqrt(2) / N"
+[[force]] | name = "substrate"
+)") + substrate +
+         tables(R"(
+[run] | duration = 20.0 | ledger = true | integrator = { type = "rk4", dt = 5e-3 }
+)");
 }
 
 const std::string kBuiltIn = R"(type = "sinusoidal_substrate"
@@ -179,23 +157,15 @@ TEST(Expression, AStraightChainBendsWithItsFrequency) {
   constexpr double kAnharmonic = 1e-3;  // bonds that stretch take 4e-5 of the energy
   constexpr double kBend = 3.0;
   for (const double end : {0.7, 2.0}) {
-    const RunResult found = run_text(R"--(
-[[body]]
-type = "particles"
-positions = [[-1.0, 1e-4], [0.0, -2e-4], [1.0, 1e-4]]
+    const RunResult found =
+        run_text(tables(R"--(
+[[body]] | type = "particles" | positions = [[-1.0, 1e-4], [0.0, -2e-4], [1.0, 1e-4]]
 particle_mass = 1.0
-[[force]]
-type = "harmonic_bonds"
-pairs = "neighbours"
-stiffness = 1e4
+[[force]] | type = "harmonic_bonds" | pairs = "neighbours" | stiffness = 1e4
 rest_lengths = 1.0
-[[force]]
-type = "expression"
-energy = "0.5*3*(theta - pi)^2"
-[run]
-ledger = true
-duration = )--" + digits(end) +
-                                     "\nintegrator = " + adaptive(1e-12, "dop853") + "\n");
+[[force]] | type = "expression" | energy = "0.5*3*(theta - pi)^2"
+[run] | ledger = true | duration = )--") +
+                 digits(end) + "\nintegrator = " + adaptive(1e-12, "dop853") + "\n");
     ASSERT_EQ(found.status, RunStatus::finished);
     const double angle = 6.0 * kSmall * std::cos(std::sqrt(6.0 * kBend) * end);
     const double whole = 0.5 * kBend * 36.0 * kSmall * kSmall;
@@ -278,20 +248,12 @@ TEST(Expression, ALedgerWithAForceThatIsNoGradientTakesASchemeWithStages) {
 }
 
 TEST(Expression, ARunThatLeavesTheFormulasRangeNamesTheParticle) {
-  const RunResult found = run_text(R"--(
-[[body]]
-name = "tips"
-type = "particles"
-positions = [5.0, 1.0, 7.0]
-velocity = [[0.0], [-1.0], [0.0]]
-particle_mass = 1.0
-[[force]]
-type = "expression"
-energy = "0.01*log(x)"
-[run]
-duration = 10.0
-integrator = { type = "rk4", dt = 0.3 }
-)--");
+  const RunResult found = run_text(tables(R"--(
+[[body]] | name = "tips" | type = "particles" | positions = [5.0, 1.0, 7.0]
+velocity = [[0.0], [-1.0], [0.0]] | particle_mass = 1.0
+[[force]] | type = "expression" | energy = "0.01*log(x)"
+[run] | duration = 10.0 | integrator = { type = "rk4", dt = 0.3 }
+)--"));
   ASSERT_EQ(found.status, RunStatus::failed);
   EXPECT_NE(found.failure->cause.find("particle 1 of \"tips\""), std::string::npos)
       << found.failure->cause;
@@ -452,18 +414,12 @@ TEST(Expression, PlacesFarOutWithoutAPeriodAreWarnedOf) {
 }
 
 TEST(Expression, ParticlesInOnePlaceEncloseNoAngle) {
-  const std::string scene = R"--(
-[[body]]
-type = "particles"
-positions = [[0.0, 0.0], [0.0, 0.0], [1.0, 0.0]]
+  const std::string scene = tables(R"--(
+[[body]] | type = "particles" | positions = [[0.0, 0.0], [0.0, 0.0], [1.0, 0.0]]
 particle_mass = 1.0
-[[force]]
-type = "expression"
-energy = "cos(theta)"
-[run]
-duration = 1.0
-integrator = { type = "rk4", dt = 0.1 }
-)--";
+[[force]] | type = "expression" | energy = "cos(theta)"
+[run] | duration = 1.0 | integrator = { type = "rk4", dt = 0.1 }
+)--");
   EXPECT_EQ(faults_of(scene), "test.toml:8:10: force.expression.energy [component.unsuitable]");
 }
 

@@ -192,23 +192,12 @@ ForceFactories beside_force() {
 
 std::string tip_with(const std::string& force, const std::string& integrator,
                      const std::string& more = "") {
-  return R"([[body]]
-type = "point"
-position = [0.3]
-velocity = [0.8]
+  return tables(R"([[body]] | type = "point" | position = [0.3] | velocity = [0.8]
 particle_mass = 1.3
-[[force]]
-name = "driver"
-type = "driving_spring"
-stiffness = 1.4
-velocity = [0.4]
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = 0.1
-period = 1.0
-[[force]]
-name = "bath"
-)" + force +
+[[force]] | name = "driver" | type = "driving_spring" | stiffness = 1.4 | velocity = [0.4]
+[[force]] | type = "sinusoidal_substrate" | amplitude = 0.1 | period = 1.0
+[[force]] | name = "bath"
+)") + force +
          "[run]\nduration = 6.0\nledger = true\nintegrator = " + integrator + "\n" + more;
 }
 

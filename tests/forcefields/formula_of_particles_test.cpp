@@ -164,19 +164,12 @@ INSTANTIATE_TEST_SUITE_P(
 constexpr double kClosedForm = 1e-9;
 
 TEST(FormulaOfParticles, OscillatorsHaveTheirFrequencies) {
-  Engine engine(scene_of(R"--(
-[[body]]
-name = "tips"
-type = "particles"
-positions = [1.0, 1.0, 1.0, 1.0, 1.0]
+  Engine engine(scene_of(tables(R"--(
+[[body]] | name = "tips" | type = "particles" | positions = [1.0, 1.0, 1.0, 1.0, 1.0]
 particle_mass = 1.0
-[[force]]
-type = "expression"
-energy = "2.5 * (1 + i/count)^2 * x^2 / count"
-[run]
-duration = 3.0
-integrator = )--" + adaptive(1e-12, "dop853") +
-                         "\n"),
+[[force]] | type = "expression" | energy = "2.5 * (1 + i/count)^2 * x^2 / count"
+[run] | duration = 3.0 | integrator = )--") +
+                         adaptive(1e-12, "dop853") + "\n"),
                 {});
   engine.run();
   for (int i = 0; i < 5; ++i) {
@@ -186,24 +179,13 @@ integrator = )--" + adaptive(1e-12, "dop853") +
 
 /// More than one block of the interpreter, bonds between, and all in the ledger.
 std::string disordered_chain(const std::string& substrate, const std::string& run) {
-  return R"--(
-[parameters]
-V0 = 0.1
-a = 1.25
-seed = 3
-[[body]]
-type = "chain"
-count = 150
-spacing = 1.0
-particle_mass = 1.0
-[[force]]
-type = "harmonic_bonds"
-pairs = "neighbours"
-stiffness = 1.0
+  return tables(R"--(
+[parameters] | V0 = 0.1 | a = 1.25 | seed = 3
+[[body]] | type = "chain" | count = 150 | spacing = 1.0 | particle_mass = 1.0
+[[force]] | type = "harmonic_bonds" | pairs = "neighbours" | stiffness = 1.0
 rest_lengths = 1.0
-[[force]]
-name = "substrate"
-)--" + substrate +
+[[force]] | name = "substrate"
+)--") + substrate +
          "[run]\nduration = 10.0\nledger = true\nintegrator = " + run + "\n";
 }
 
@@ -363,26 +345,13 @@ TEST(FormulaOfParticles, TheStableStepIsThatOfTheParticlesOwnNumbers) {
 }
 
 TEST(FormulaOfParticles, ADriverOfEachParticleIsASupport) {
-  const RunResult result = run_text(R"--(
-[[body]]
-name = "chain"
-type = "chain"
-count = 9
-spacing = 1.0
-particle_mass = 1.0
-[[force]]
-type = "viscous_damping"
-coefficient = 1.0
-[[force]]
-name = "driver"
-type = "expression"
-energy = "0.25 * (x - i - 0.1*normal(1, i) - 0.05*t)^2"
-driver = true
-[run]
-duration = 20.0
-ledger = true
-integrator = { type = "rk4", dt = 0.01 }
-)--");
+  const RunResult result = run_text(tables(R"--(
+[[body]] | name = "chain" | type = "chain" | count = 9 | spacing = 1.0 | particle_mass = 1.0
+[[force]] | type = "viscous_damping" | coefficient = 1.0
+[[force]] | name = "driver" | type = "expression"
+energy = "0.25 * (x - i - 0.1*normal(1, i) - 0.05*t)^2" | driver = true
+[run] | duration = 20.0 | ledger = true | integrator = { type = "rk4", dt = 0.01 }
+)--"));
   EXPECT_NEAR(observable(result, "driver.distance").value(), 1.0, 1e-12);
   EXPECT_GT(observable(result, "driver.work").value(), 0.1);
   EXPECT_NEAR(observable(result, "driver.work").value(),

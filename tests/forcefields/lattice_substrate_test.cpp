@@ -543,13 +543,9 @@ TEST(LatticeSubstrate, FarAwayItIsAsExactAsNearby) {
 
 // ---- scenes -------------------------------------------------------------------------------------
 
-const std::string kTip = R"([[body]]
-name = "tip"
-type = "point"
-position = [0.31, 0.12]
-velocity = [0.7, 0.4]
-particle_mass = 1.0
-)";
+const std::string kTip = tables(R"([[body]] | name = "tip" | type = "point"
+position = [0.31, 0.12] | velocity = [0.7, 0.4] | particle_mass = 1.0
+)");
 
 std::string surface_text(const std::string& keys) {
   return "[[force]]\nname = \"surface\"\ntype = \"lattice_substrate\"\n" + keys;
@@ -565,22 +561,12 @@ TEST(LatticeSubstrate, EnergyIsConserved) {
   const std::string flat = surface_text("lattice = \"hexagonal\"\nperiod = 1.0\namplitude = 0.1\n");
   const std::string misfit = surface_text(
       "lattice = \"honeycomb\"\nperiod = 1.0\namplitudes = [0.1, 0.05]\nmisfit = 0.3\n");
-  const std::string ring = R"([[body]]
-type = "ring"
-count = 6
-radius = 0.8
-particle_mass = 0.3
-centre = [0.2, 0.1]
-velocity = [0.5, 0.3]
-coordinates = "rigid"
-)";
-  const std::string ball = R"([[body]]
-name = "ball"
-type = "point"
-position = [0.3, 0.1, 1.0]
-velocity = [0.4, 0.3, -0.5]
-particle_mass = 1.0
-)";
+  const std::string ring = tables(R"([[body]] | type = "ring" | count = 6 | radius = 0.8
+particle_mass = 0.3 | centre = [0.2, 0.1] | velocity = [0.5, 0.3] | coordinates = "rigid"
+)");
+  const std::string ball = tables(R"([[body]] | name = "ball" | type = "point"
+position = [0.3, 0.1, 1.0] | velocity = [0.4, 0.3, -0.5] | particle_mass = 1.0
+)");
   const std::string wall = surface_text(
       "lattice = \"square\"\nperiod = 1.0\namplitudes = [0.1, 0.05]\nmisfit = 0.2\n"
       "decay = [2.0, 3.0]\nrepulsion = 1.0\nrepulsion_decay = 2.5\n");
@@ -601,15 +587,10 @@ particle_mass = 1.0
 /// The origin follows the tip over a lattice that has no period along the axes, as a formula, which
 /// declares none, has it.
 TEST(LatticeSubstrate, ATipThatIsDraggedOverAMisfitLatticeFindsTheSameSurface) {
-  const std::string driver = R"([[force]]
-name = "driver"
-type = "driving_spring"
-stiffness = 2.0
-velocity = [1.0, 0.7]
-[[force]]
-type = "viscous_damping"
-coefficient = 1.0
-)";
+  const std::string driver = tables(R"([[force]] | name = "driver" | type = "driving_spring"
+stiffness = 2.0 | velocity = [1.0, 0.7]
+[[force]] | type = "viscous_damping" | coefficient = 1.0
+)");
   const std::string formula = R"--([[force]]
 name = "surface"
 type = "expression"
@@ -738,11 +719,8 @@ TEST(LatticeSubstrate, ARunFarAwayIsThatOfTheSamePlaceNearby) {
 
 TEST(LatticeSubstrate, FarBelowTheSurfaceTheRunNamesTheForce) {
   const RunResult result = run_text(
-      R"([[body]]
-type = "point"
-position = [0.3, 0.1, -200.0]
-particle_mass = 1.0
-)" + surface_text("lattice = \"square\"\nperiod = 1.0\namplitude = 0.1\ndecay = 5.0\n") +
+      tables(R"([[body]] | type = "point" | position = [0.3, 0.1, -200.0] | particle_mass = 1.0
+)") + surface_text("lattice = \"square\"\nperiod = 1.0\namplitude = 0.1\ndecay = 5.0\n") +
       "[run]\nduration = 1.0\nallow_unstable = true\nintegrator = " + fixed_step(1e-3) + "\n");
   EXPECT_EQ(result.status, RunStatus::failed);
   ASSERT_TRUE(result.failure.has_value());

@@ -71,9 +71,7 @@ struct ChainMoments {
 ChainMoments moments_of(const std::string& text, double position_variance,
                         double velocity_variance) {
   KeptSamples samples;
-  RunOptions options;
-  options.sink = &samples;
-  const RunResult result = run_text(text, {}, options);
+  const RunResult result = run_text(text, {}, watched_by(samples));
   EXPECT_EQ(result.status, RunStatus::finished);
   const std::size_t x = samples.column("body.centre_of_mass.x");
   const std::size_t v = samples.column("body.velocity.x");

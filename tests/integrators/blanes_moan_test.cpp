@@ -1,6 +1,5 @@
 #include "integrators/blanes_moan.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -9,6 +8,7 @@
 
 #include "framework/core/records/integrator.hpp"
 #include "tests/support/order.hpp"
+#include "tests/support/pendulum.hpp"
 #include "tests/support/ring_scenes.hpp"
 
 // Properties of the symplectic scheme beyond its order for one particle (order_test.cpp).
@@ -20,67 +20,14 @@ constexpr Window kFourth{3.8, 4.3};
 
 std::string scheme(double dt) { return held_to("blanes_moan", dt); }
 
-std::string pendulum(const std::string& integrator) {
-  return R"([[body]]
-type = "point"
-position = [0.3]
-velocity = [0.1]
-particle_mass = 1.0
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = 0.5
-period = 6.283185307179586
-[[force]]
-name = "driver"
-type = "driving_spring"
-stiffness = 1.0
-velocity = [0.0]
-start = [0.0]
-[run]
-duration = 1e9
-integrator = )" +
-         integrator + "\n";
-}
-
-double energy_of(Engine& engine) {
-  Model& model = engine.model();
-  const SystemView<double>& view = model.system().view;
-  return model.kinetic_energy(view.position, view.velocity) +
-         model.potential_energy(DoubleDouble(engine.time()), view.position, view.velocity,
-                                view.integrals);
-}
-
-double swing(Engine& engine, double start, int looks, std::uint64_t every) {
-  double largest = 0.0;
-  for (int k = 0; k < looks; ++k) {
-    engine.advance(every);
-    largest = std::max(largest, std::abs(energy_of(engine) - start));
-  }
-  return largest;
-}
-
 TEST(BlanesMoanEnergy, StaysBoundedOverAHundredThousandPeriods) {
-  constexpr double kDt = 0.5;
-  constexpr std::uint64_t kSteps = 1'200'000;
-  Engine engine(scene_of(pendulum(scheme(kDt))), {});
-  const double start = energy_of(engine);
-  const double early = swing(engine, start, 1000, 7);
-  engine.advance(kSteps);
-  const double late = swing(engine, start, 1000, 7);
-  EXPECT_GT(early, 1e-10) << "nothing to see";
-  EXPECT_NEAR(late / early, 1.0, 0.05) << "a drift";
+  const Swings swings(scheme(0.5), 1'200'000);
+  EXPECT_GT(swings.early, 1e-10) << "nothing to see";
+  EXPECT_NEAR(swings.late / swings.early, 1.0, 0.05) << "a drift";
 }
 
 TEST(BlanesMoanEnergy, SwingsWithTheFourthPowerOfTheStep) {
-  std::vector<double> steps;
-  std::vector<double> swings;
-  for (double h = 0.8; h > 0.15; h *= 0.5) {
-    Engine engine(scene_of(pendulum(scheme(h))), {});
-    const double start = energy_of(engine);
-    steps.push_back(h);
-    swings.push_back(swing(engine, start, static_cast<int>(400.0 / h), 1));
-  }
-  const double order = fitted_order(steps, swings);
+  const double order = power_of_swings("blanes_moan", 0.8, 0.15);
   EXPECT_TRUE(kFourth.holds(order)) << order;
 }
 

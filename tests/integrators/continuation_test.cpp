@@ -73,9 +73,7 @@ struct Tip {
 };
 
 RunResult run_with(const std::string& text, KeptSamples& sink) {
-  RunOptions options;
-  options.sink = &sink;
-  return run_text(text, {}, options);
+  return run_text(text, {}, watched_by(sink));
 }
 
 // ---- the tip
@@ -331,43 +329,17 @@ TEST(Quasistatic, TakesTheSchemeThatFollowsEquilibria) {
 // ---- rings
 
 std::string ring(const std::string& coordinates) {
-  return R"([parameters]
-R = 0.001
-k = 56.0
-V0 = 1.0
-lambda = 0.05
-[[body]]
-name = "ring"
-type = "ring"
-count = 8
-radius = "R"
-particle_mass = 0.125
-centre = [0.0, "R"]
-coordinates = ")" +
-         coordinates + R"("
-[[force]]
-name = "driver"
-type = "driving_spring"
-stiffness = "k"
-velocity = [1.0, 0.0]
-[[force]]
-type = "harmonic_bonds"
-pairs = "all"
-stiffness = 1e3
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = "V0 / 8"
-period = 1.0
+  return tables(R"([parameters] | R = 0.001 | k = 56.0 | V0 = 1.0 | lambda = 0.05
+[[body]] | name = "ring" | type = "ring" | count = 8 | radius = "R" | particle_mass = 0.125
+centre = [0.0, "R"] | coordinates = ")") +
+         coordinates + tables(R"("
+[[force]] | name = "driver" | type = "driving_spring" | stiffness = "k" | velocity = [1.0, 0.0]
+[[force]] | type = "harmonic_bonds" | pairs = "all" | stiffness = 1e3
+[[force]] | type = "sinusoidal_substrate" | amplitude = "V0 / 8" | period = 1.0
 decay = "lambda / R"
-[run]
-dynamics = "quasistatic"
-duration = 4.0
-ledger = true
-[measure]
-from = 2.0
-to = 4.0
-in = "driver_periods"
-)";
+[run] | dynamics = "quasistatic" | duration = 4.0 | ledger = true
+[measure] | from = 2.0 | to = 4.0 | in = "driver_periods"
+)");
 }
 
 /// Smooth sliding begins at k = 56.096 (found without this program), where x and y fold together.
@@ -429,27 +401,12 @@ TEST(QuasistaticRing, EndsStable) {
 /// particle (found without this program); below the transition by next to nothing.
 TEST(QuasistaticChain, IsHeldAboveTheTransitionOnly) {
   const auto text = [](double K) {
-    return R"([box]
-lengths = [34.0]
-periodic = [true]
-[[body]]
-name = "chain"
-type = "chain"
-count = 55
-spacing = "34 / 55"
+    return tables(R"([box] | lengths = [34.0] | periodic = [true]
+[[body]] | name = "chain" | type = "chain" | count = 55 | spacing = "34 / 55"
 particle_mass = 1.0
-[[force]]
-type = "harmonic_bonds"
-pairs = "neighbours"
-stiffness = 1.0
-[[force]]
-name = "driver"
-type = "driving_spring"
-stiffness = 0.1
-velocity = [1.0]
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = )" +
+[[force]] | type = "harmonic_bonds" | pairs = "neighbours" | stiffness = 1.0
+[[force]] | name = "driver" | type = "driving_spring" | stiffness = 0.1 | velocity = [1.0]
+[[force]] | type = "sinusoidal_substrate" | amplitude = )") +
            digits(-K / (kTau * kTau)) + R"(
 period = 1.0
 [run]
@@ -466,27 +423,14 @@ duration = 0.1
 /// the ground state: 4 R = 2 - trace = -det.
 TEST(QuasistaticChain, KnowsItsResidue) {
   constexpr double kK = 0.971635406;
-  const auto scene = scene_of(R"TOML([box]
-lengths = [13.0]
-periodic = [true]
-[[body]]
-type = "chain"
-count = 21
-spacing = "13 / 21"
-origin = ["0.3 / 21"]
+  const auto scene = scene_of(tables(R"TOML([box] | lengths = [13.0] | periodic = [true]
+[[body]] | type = "chain" | count = 21 | spacing = "13 / 21" | origin = ["0.3 / 21"]
 particle_mass = 1.0
-[[force]]
-type = "harmonic_bonds"
-pairs = "neighbours"
-stiffness = 1.0
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = "-0.971635406 / (4 * pi^2)"
+[[force]] | type = "harmonic_bonds" | pairs = "neighbours" | stiffness = 1.0
+[[force]] | type = "sinusoidal_substrate" | amplitude = "-0.971635406 / (4 * pi^2)"
 period = 1.0
-[run]
-dynamics = "quasistatic"
-duration = 1.0
-)TOML");
+[run] | dynamics = "quasistatic" | duration = 1.0
+)TOML"));
   Engine engine(scene, {});
   const RunResult result = engine.run();
   ASSERT_EQ(result.status, RunStatus::finished);
@@ -510,25 +454,14 @@ duration = 1.0
 
 /// Nothing is free: the substrate's force along the way, and its work.
 TEST(Quasistatic, CarriesWhatIsPrescribed) {
-  const std::string text = R"scene([[body]]
-name = "tip"
-type = "point"
-position = [0.0]
-particle_mass = 1.0
-coordinates = "prescribed"
+  const std::string text =
+      tables(R"scene([[body]] | name = "tip" | type = "point" | position = [0.0]
+particle_mass = 1.0 | coordinates = "prescribed"
 motion = { velocity = ["1 + 0.5 * cos(2 * pi * t)"] }
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = 0.1
-period = 1.0
-[[force]]
-type = "viscous_damping"
-coefficient = 3.0
-[run]
-dynamics = "quasistatic"
-duration = 0.75
-ledger = true
-)scene";
+[[force]] | type = "sinusoidal_substrate" | amplitude = 0.1 | period = 1.0
+[[force]] | type = "viscous_damping" | coefficient = 3.0
+[run] | dynamics = "quasistatic" | duration = 0.75 | ledger = true
+)scene");
   const RunResult result = run_text(text);
   ASSERT_EQ(result.status, RunStatus::finished);
   const double x = 0.75 + 0.5 / kTau * std::sin(kTau * 0.75);

@@ -8,6 +8,7 @@
 
 #include "framework/core/numbers/constants.hpp"
 #include "framework/core/records/integrator.hpp"
+#include "tests/support/order.hpp"
 #include "tests/support/scenes.hpp"
 
 // SUNDIALS' CVODE, Adams and BDF, on the equations of three models written out by hand, against
@@ -41,24 +42,11 @@ Problem tip() {
   Problem p;
   p.what = "tip";
   p.duration = 20.0;
-  p.scene = R"([[body]]
-type = "point"
-position = [0.1]
-particle_mass = 1.0
-[[force]]
-type = "driving_spring"
-stiffness = 2.0
-velocity = [0.25]
-[[force]]
-type = "viscous_damping"
-coefficient = 1.0
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = 0.1
-period = 1.0
-[run]
-duration = 20.0
-integrator = )";
+  p.scene = tables(R"([[body]] | type = "point" | position = [0.1] | particle_mass = 1.0
+[[force]] | type = "driving_spring" | stiffness = 2.0 | velocity = [0.25]
+[[force]] | type = "viscous_damping" | coefficient = 1.0
+[[force]] | type = "sinusoidal_substrate" | amplitude = 0.1 | period = 1.0
+[run] | duration = 20.0 | integrator = )");
   p.equations = [](double t, const double* s, double* slope) {
     slope[0] = s[1];
     slope[1] = 2.0 * (0.1 + 0.25 * t - s[0]) - s[1] + 0.1 * kTau * std::sin(kTau * s[0]);
@@ -81,28 +69,12 @@ Problem ring() {
   Problem p;
   p.what = "rigid ring";
   p.duration = 12.0;
-  p.scene = R"([[body]]
-type = "ring"
-count = 8
-radius = 1.0
-particle_mass = "1 / 8"
-centre = [0.0, 1.0]
-coordinates = "rigid"
-[[force]]
-type = "driving_spring"
-stiffness = 2.0
-velocity = [0.3, 0.0]
-[[force]]
-type = "viscous_damping"
-coefficient = "2 * sqrt(2) / 8"
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = "0.1 / 8"
-period = 1.0
-decay = 1.0
-[run]
-duration = 12.0
-integrator = )";
+  p.scene = tables(R"([[body]] | type = "ring" | count = 8 | radius = 1.0
+particle_mass = "1 / 8" | centre = [0.0, 1.0] | coordinates = "rigid"
+[[force]] | type = "driving_spring" | stiffness = 2.0 | velocity = [0.3, 0.0]
+[[force]] | type = "viscous_damping" | coefficient = "2 * sqrt(2) / 8"
+[[force]] | type = "sinusoidal_substrate" | amplitude = "0.1 / 8" | period = 1.0 | decay = 1.0
+[run] | duration = 12.0 | integrator = )");
   // x, y, phi, their velocities, and the integral of the driver's force. Particle 0 is at the
   // lowest point or wherever the scene's ring starts: its angles are read off the scene.
   Engine engine(scene_of(p.scene + adaptive(kTolerance)), {});
@@ -150,29 +122,13 @@ Problem chain() {
   Problem p;
   p.what = "chain";
   p.duration = 20.0;
-  p.scene = R"([[body]]
-type = "chain"
-count = 12
-spacing = 1.618033988749895
+  p.scene = tables(R"([[body]] | type = "chain" | count = 12 | spacing = 1.618033988749895
 particle_mass = 1.0
-[[force]]
-type = "harmonic_bonds"
-pairs = "neighbours"
-stiffness = 1.0
-[[force]]
-type = "driving_spring"
-stiffness = 1.0
-velocity = [0.2]
-[[force]]
-type = "viscous_damping"
-coefficient = 0.1
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = 0.05
-period = 1.0
-[run]
-duration = 20.0
-integrator = )";
+[[force]] | type = "harmonic_bonds" | pairs = "neighbours" | stiffness = 1.0
+[[force]] | type = "driving_spring" | stiffness = 1.0 | velocity = [0.2]
+[[force]] | type = "viscous_damping" | coefficient = 0.1
+[[force]] | type = "sinusoidal_substrate" | amplitude = 0.05 | period = 1.0
+[run] | duration = 20.0 | integrator = )");
   p.equations = [](double t, const double* s, double* slope) {
     const double* x = s;
     const double* v = s + kCount;
@@ -204,13 +160,6 @@ integrator = )";
                        r.driver(0)["mean_force"][0]};
   };
   return p;
-}
-
-double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
-  EXPECT_EQ(a.size(), b.size());
-  double most = 0.0;
-  for (std::size_t k = 0; k < a.size(); ++k) most = std::max(most, std::abs(a[k] - b[k]));
-  return most;
 }
 
 std::vector<double> by_cvode(const Problem& problem, int method) {

@@ -166,31 +166,14 @@ TEST(ExponentialShape, LooseRingsAndChainsInThePlaneAreRefused) {
 
 TEST(ExponentialShape, WhatIsLooseIsRefused) {
   const auto ring = [](const std::string& pairs, const std::string& rests) {
-    return R"([[body]]
-name = "ring"
-type = "ring"
-count = 5
-radius = 0.7
-centre = [0.0, 0.7]
-particle_mass = 0.2
-[[force]]
-type = "harmonic_bonds"
-pairs = )" +
-           pairs + "\nstiffness = 1e4\n" + rests + R"(
-[[force]]
-name = "driver"
-type = "driving_spring"
-stiffness = 1.5
-velocity = [0.2, 0.0]
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = 0.06
-period = 0.9
-decay = 0.7
-[run]
-duration = 20.0
-integrator = { type = "exponential_verlet", dt = 5e-3 }
-)";
+    return tables(R"([[body]] | name = "ring" | type = "ring" | count = 5 | radius = 0.7
+centre = [0.0, 0.7] | particle_mass = 0.2
+[[force]] | type = "harmonic_bonds" | pairs = )") +
+           pairs + "\nstiffness = 1e4\n" + rests + tables(R"(
+[[force]] | name = "driver" | type = "driving_spring" | stiffness = 1.5 | velocity = [0.2, 0.0]
+[[force]] | type = "sinusoidal_substrate" | amplitude = 0.06 | period = 0.9 | decay = 0.7
+[run] | duration = 20.0 | integrator = { type = "exponential_verlet", dt = 5e-3 }
+)");
   };
   const std::string open = "[[0, 1], [1, 2], [2, 3], [3, 4], [4, 0]]";
   // It bends freely in two ways, or buckles.

@@ -58,34 +58,15 @@ TEST(ModeFlow, IsTheMotionOfADampedOscillator) {
 // ---- chains
 
 std::string chain(double stiffness, const std::string& integrator, double spacing = 1.1) {
-  return R"([[body]]
-type = "chain"
-count = 6
-spacing = )" +
-         digits(spacing) + R"(
-particle_mass = 1.0
-velocity = [[0.3], [0.1], [-0.2], [0.0], [0.4], [0.1]]
-[[force]]
-type = "harmonic_bonds"
-pairs = "neighbours"
-rest_lengths = 1.0
-stiffness = )" +
-         digits(stiffness) + R"(
-[[force]]
-type = "viscous_damping"
-coefficient = 0.3
-[[force]]
-name = "driver"
-type = "driving_spring"
-stiffness = 1.0
-velocity = [0.4]
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = 0.05
-period = 1.0
-[run]
-duration = 4.0
-integrator = )" +
+  return tables(R"([[body]] | type = "chain" | count = 6 | spacing = )") + digits(spacing) +
+         tables(R"(
+particle_mass = 1.0 | velocity = [[0.3], [0.1], [-0.2], [0.0], [0.4], [0.1]]
+[[force]] | type = "harmonic_bonds" | pairs = "neighbours" | rest_lengths = 1.0 | stiffness = )") +
+         digits(stiffness) + tables(R"(
+[[force]] | type = "viscous_damping" | coefficient = 0.3
+[[force]] | name = "driver" | type = "driving_spring" | stiffness = 1.0 | velocity = [0.4]
+[[force]] | type = "sinusoidal_substrate" | amplitude = 0.05 | period = 1.0
+[run] | duration = 4.0 | integrator = )") +
          integrator + "\n";
 }
 
@@ -102,13 +83,6 @@ std::vector<double> positions(const std::string& text) {
   std::vector<double> all(view.position, view.position + view.coordinates);
   all.insert(all.end(), view.velocity, view.velocity + view.coordinates);
   return all;
-}
-
-double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
-  EXPECT_EQ(a.size(), b.size());
-  double most = 0.0;
-  for (std::size_t k = 0; k < a.size(); ++k) most = std::max(most, std::abs(a[k] - b[k]));
-  return most;
 }
 
 /// A stretched chain that swings and dies down: nothing but the operator, exact at any step.
@@ -155,9 +129,7 @@ TEST(ExponentialVerlet, DenseOutputFollowsMotionsThatStopWithinAStep) {
   for (const double damped : {0.9, 1.1, 30.0, 1e4}) {
     o.c = damped * o.m / 0.25;
     KeptSamples samples;
-    RunOptions options;
-    options.sink = &samples;
-    run_text(o.scene(scheme(0.25), "[output]\nevery = 0.03125\n"), {}, options);
+    run_text(o.scene(scheme(0.25), "[output]\nevery = 0.03125\n"), {}, watched_by(samples));
     ASSERT_EQ(samples.rows.size(), 33u);
     const double rate = o.c / o.m;
     // A cubic's error where it is one.

@@ -409,28 +409,15 @@ class FlowProbe {
 
 /// Friction that is not centred on the centre of mass: the centre drifts when the body turns.
 std::string friction_off_centre(const std::string& hold) {
-  return R"([[body]]
-name = "cluster"
-type = "ring"
-count = 5
-radius = 0.8
-particle_mass = [0.1, 0.7, 0.3, 0.2, 0.4]
-centre = [0.1, 0.8]
-coordinates = "rigid"
-)" + hold +
-         R"(
-[[force]]
-name = "bath"
-type = "langevin"
-coefficient = [0.9, 0.2, 0.05, 0.4, 0.6]
+  return tables(R"([[body]] | name = "cluster" | type = "ring" | count = 5 | radius = 0.8
+particle_mass = [0.1, 0.7, 0.3, 0.2, 0.4] | centre = [0.1, 0.8] | coordinates = "rigid"
+)") + hold +
+         tables(R"(
+[[force]] | name = "bath" | type = "langevin" | coefficient = [0.9, 0.2, 0.05, 0.4, 0.6]
 temperature = 0.37
 
-[run]
-duration = 1.0
-seed = 7
-stream = 3
-integrator = { type = "baoab", dt = 0.1 }
-)";
+[run] | duration = 1.0 | seed = 7 | stream = 3 | integrator = { type = "baoab", dt = 0.1 }
+)");
 }
 
 /// Velocities of the centre and of the rotation, at rest otherwise: their covariance in the long

@@ -5,9 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "framework/run/results/observables.hpp"
-#include "framework/run/run.hpp"
-#include "framework/scene/scene.hpp"
-#include "framework/standard_registry.hpp"
+#include "tests/support/scenes.hpp"
 
 // Coloured noise: drag that remembers, in a bath.
 
@@ -21,45 +19,24 @@ constexpr double kLargestError = 0.06;
 constexpr double kFourSigma = 4.0;
 
 RunResult in_a_trap(const std::string& memory_time, std::int64_t stream) {
-  static const Registry registry = standard_registry();
-  const std::string text = R"([[body]]
-type = "point"
-name = "tip"
-position = [0.0]
+  const std::string text = tables(R"([[body]] | type = "point" | name = "tip" | position = [0.0]
 particle_mass = 2.0
-[[force]]
-type = "expression"
-name = "trap"
-energy = "0.5 * x^2"
-[[force]]
-type = "memory_damping"
-name = "bath"
-coefficient = 1.5
-temperature = 0.3
-memory_time = )" + memory_time +
-                           R"(
-[run]
-duration = 2e4
-ledger = true
-stream = )" + std::to_string(stream) +
+[[force]] | type = "expression" | name = "trap" | energy = "0.5 * x^2"
+[[force]] | type = "memory_damping" | name = "bath" | coefficient = 1.5 | temperature = 0.3
+memory_time = )") + memory_time +
+                           tables(R"(
+[run] | duration = 2e4 | ledger = true | stream = )") +
+                           std::to_string(stream) +
                            R"(
 integrator = { type = "baoab", dt = 0.2 }
 [measure]
 from = 100
 )";
-  return run(parse_scene(text, "memory.toml", registry), {});
+  return run_text(text);
 }
 
 double number(const RunResult& result, const std::string& path) {
   return observable(result, path).value();
-}
-
-double error(const RunResult& result, const std::string& path) {
-  for (const ErrorEstimate& one : result.errors) {
-    if (one.path == path) return one.error.value();
-  }
-  ADD_FAILURE() << path;
-  return 0.0;
 }
 
 /// From short memories, friction, to long ones, a second spring.
@@ -70,8 +47,8 @@ TEST(MemoryNoise, HasTheTemperatureOfItsBath) {
       const RunResult result = in_a_trap(memory_time, stream);
       ASSERT_EQ(result.status, RunStatus::finished);
       EXPECT_NEAR(number(result, "bodies.tip.temperature"), kBath,
-                  kFourSigma * error(result, "bodies.tip.temperature"));
-      EXPECT_LT(error(result, "bodies.tip.temperature"), kLargestError * kBath);
+                  kFourSigma * *stated_error(result, "bodies.tip.temperature"));
+      EXPECT_LT(*stated_error(result, "bodies.tip.temperature"), kLargestError * kBath);
     }
   }
 }
@@ -98,68 +75,31 @@ TEST(MemoryNoise, BesideFrictionIsOfSecondOrder) {
       lyapunov.fullPivLu().solve(-Eigen::Map<const Eigen::Matrix<double, 9, 1>>(b.data()));
   const double exact = solved(4);  // <v^2>
 
-  static const Registry registry = standard_registry();
-  const std::string text = R"([[body]]
-type = "point"
-name = "tip"
-position = [0.0]
+  const std::string text = tables(R"([[body]] | type = "point" | name = "tip" | position = [0.0]
 particle_mass = 1.0
-[[force]]
-type = "driving_spring"
-name = "trap"
-stiffness = 1.0
-velocity = [0.0]
-[[force]]
-type = "memory_damping"
-name = "bath"
-coefficient = 1.0
-temperature = 0.1
+[[force]] | type = "driving_spring" | name = "trap" | stiffness = 1.0 | velocity = [0.0]
+[[force]] | type = "memory_damping" | name = "bath" | coefficient = 1.0 | temperature = 0.1
 memory_time = 0.5
-[[force]]
-type = "viscous_damping"
-coefficient = 1.0
-[run]
-duration = 6e4
-integrator = { type = "baoab", dt = 0.2 }
-[measure]
-from = 100
-)";
-  const RunResult result = run(parse_scene(text, "memory.toml", registry), {});
+[[force]] | type = "viscous_damping" | coefficient = 1.0
+[run] | duration = 6e4 | integrator = { type = "baoab", dt = 0.2 }
+[measure] | from = 100
+)");
+  const RunResult result = run_text(text);
   // In one order instead of two it would be 17 % less; of second order are some h^2.
   constexpr double kSecondOrder = 0.05;
   EXPECT_NEAR(number(result, "bodies.tip.temperature"), exact,
-              kSecondOrder * exact + kFourSigma * error(result, "bodies.tip.temperature"));
-  EXPECT_LT(error(result, "bodies.tip.temperature"), 0.01 * exact);
+              kSecondOrder * exact + kFourSigma * *stated_error(result, "bodies.tip.temperature"));
+  EXPECT_LT(*stated_error(result, "bodies.tip.temperature"), 0.01 * exact);
 }
 
 TEST(MemoryNoise, IsRefusedWhereItHasNoFlow) {
-  static const Registry registry = standard_registry();
-  const std::string text = R"([[body]]
-type = "ring"
-name = "ring"
-count = 4
-radius = 1.0
-centre = [0.0, 1.0]
-particle_mass = 1.0
-coordinates = "rigid"
-[[force]]
-type = "memory_damping"
-name = "bath"
-coefficient = 1.5
-temperature = 0.3
+  const std::string text = tables(R"([[body]] | type = "ring" | name = "ring" | count = 4
+radius = 1.0 | centre = [0.0, 1.0] | particle_mass = 1.0 | coordinates = "rigid"
+[[force]] | type = "memory_damping" | name = "bath" | coefficient = 1.5 | temperature = 0.3
 memory_time = 1.0
-[run]
-duration = 10
-integrator = { type = "baoab", dt = 0.1 }
-)";
-  try {
-    run(parse_scene(text, "memory.toml", registry), {});
-    FAIL() << "no fault";
-  } catch (const InputError& fault) {
-    EXPECT_NE(std::string(fault.what()).find("has no noise of the force \"bath\""),
-              std::string::npos)
-        << fault.what();
-  }
+[run] | duration = 10 | integrator = { type = "baoab", dt = 0.1 }
+)");
+  EXPECT_NE(refusal(text).find("has no noise of the force \"bath\""), std::string::npos);
 }
 
 }  // namespace

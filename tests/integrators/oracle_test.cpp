@@ -26,25 +26,12 @@ void tip(const State& s, State& derivative, double t) {
   derivative[1] = 2.0 * (0.1 + 0.25 * t - s[0]) - 1.0 * s[1] + 0.1 * kTau * std::sin(kTau * s[0]);
 }
 
-const char* const kTip = R"([[body]]
-name = "tip"
-type = "point"
-position = [0.1]
+const std::string kTip = tables(R"([[body]] | name = "tip" | type = "point" | position = [0.1]
 particle_mass = 1.0
-[[force]]
-type = "driving_spring"
-stiffness = 2.0
-velocity = [0.25]
-[[force]]
-type = "viscous_damping"
-coefficient = 1.0
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = 0.1
-period = 1.0
-[run]
-duration = 40.0
-integrator = )";
+[[force]] | type = "driving_spring" | stiffness = 2.0 | velocity = [0.25]
+[[force]] | type = "viscous_damping" | coefficient = 1.0
+[[force]] | type = "sinusoidal_substrate" | amplitude = 0.1 | period = 1.0
+[run] | duration = 40.0 | integrator = )");
 
 TEST(Odeint, Rk4AgreesStepByStep) {
   constexpr double kRounding = 1e-13;  // two ways of rounding, 4000 damped steps
@@ -81,9 +68,7 @@ TEST(Odeint, Dopri5StepsAgree) {
 TEST(Odeint, Dopri5TrajectoriesAgreeWithinTolerance) {
   for (const double tolerance : {1e-6, 1e-9, 1e-12}) {
     KeptSamples kept;
-    RunOptions options;
-    options.sink = &kept;
-    run(scene_of(kTip + adaptive(tolerance) + "\n[output]\nevery = 0.5\n"), options);
+    run(scene_of(kTip + adaptive(tolerance) + "\n[output]\nevery = 0.5\n"), watched_by(kept));
     ASSERT_EQ(kept.rows.size(), 81u);
     State s = {0.1, 0.0};
     auto stepper =
@@ -103,9 +88,8 @@ TEST(Odeint, Dop853AgreesWithFehlberg78) {
   constexpr double kTolerance = 1e-13;
   constexpr double kAllowed = 1e-11;  // slips magnify
   KeptSamples kept;
-  RunOptions options;
-  options.sink = &kept;
-  run(scene_of(kTip + adaptive(kTolerance, "dop853") + "\n[output]\nevery = 0.5\n"), options);
+  run(scene_of(kTip + adaptive(kTolerance, "dop853") + "\n[output]\nevery = 0.5\n"),
+      watched_by(kept));
   ASSERT_EQ(kept.rows.size(), 81u);
   State s = {0.1, 0.0};
   auto stepper =
@@ -120,17 +104,10 @@ TEST(Odeint, Dop853AgreesWithFehlberg78) {
 /// Two symplectic schemes of fourth order on a tip that swings over one trough for 500 time units.
 TEST(Odeint, BlanesMoanAgreesWithMcLachlan) {
   constexpr double kAllowed = 1e-9;  // both at steps whose own errors are below it
-  const std::string scene = R"([[body]]
-type = "point"
-position = [0.3]
+  const std::string scene = tables(R"([[body]] | type = "point" | position = [0.3]
 particle_mass = 1.0
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = 0.1
-period = 1.0
-[run]
-duration = 500.0
-integrator = )";
+[[force]] | type = "sinusoidal_substrate" | amplitude = 0.1 | period = 1.0
+[run] | duration = 500.0 | integrator = )");
   const RunResult result = run_text(scene + held_to("blanes_moan", 0.01));
   odeint::symplectic_rkn_sb3a_mclachlan<std::array<double, 1>> stepper;
   std::array<double, 1> x = {0.3};

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <functional>
+#include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -156,24 +157,12 @@ TEST(Order, OfAMeanBetweenStepEnds) {
 /// Prandtl and Tomlinson's particle, stick-slip, 1.5 periods on; without friction for schemes that
 /// take none.
 std::string tip_with(const std::string& friction) {
-  return R"([[body]]
-name = "tip"
-type = "point"
-position = [0.1]
+  return tables(R"([[body]] | name = "tip" | type = "point" | position = [0.1]
 particle_mass = 1.0
-[[force]]
-name = "driver"
-type = "driving_spring"
-stiffness = 2.0
-velocity = [0.25]
-)" + friction +
-         R"([[force]]
-type = "sinusoidal_substrate"
-amplitude = 0.1
-period = 1.0
-[run]
-duration = 6.4
-integrator = )";
+[[force]] | name = "driver" | type = "driving_spring" | stiffness = 2.0 | velocity = [0.25]
+)") + friction +
+         tables(R"([[force]] | type = "sinusoidal_substrate" | amplitude = 0.1 | period = 1.0
+[run] | duration = 6.4 | integrator = )");
 }
 const std::string kTip = tip_with("[[force]]\ntype = \"viscous_damping\"\ncoefficient = 1.0\n");
 
@@ -241,10 +230,8 @@ TEST(DenseOutput, HasTheOrderItDeclares) {
     std::vector<double> x_errors, v_errors, force_errors;
     for (const double h : scheme.steps()) {
       KeptSamples kept;
-      RunOptions options;
-      options.sink = &kept;
       // 0.0377: no multiple of any of the steps.
-      run(scene_of(o.scene(scheme.held_to(h), "[output]\nevery = 0.0377\n")), options);
+      run(scene_of(o.scene(scheme.held_to(h), "[output]\nevery = 0.0377\n")), watched_by(kept));
       ASSERT_EQ(kept.rows.size(), 170u);
       double x_error = 0.0, v_error = 0.0, force_error = 0.0;
       for (const auto& row : kept.rows) {
@@ -307,102 +294,70 @@ TEST(StepControl, TolerancesScaleAsStated) {
 
 // ---- evaluations
 
-TEST(Evaluations, FourPerStepOfRk4) {
-  const RunResult result = run_text(kTip + fixed_step(0.01));
-  EXPECT_EQ(result.steps, 640u);
-  EXPECT_EQ(result.force_evaluations, 4 * result.steps);
+/// Evaluations of a run: so many for each step taken and refused, and those at its start.
+struct Evaluations {
+  const char* scheme;
+  std::uint64_t per_step;
+  std::uint64_t per_refused;
+  std::uint64_t at_start;
+  int order;
+
+  std::uint64_t of(const RunResult& result) const {
+    return per_step * result.steps + per_refused * result.refused_steps + at_start;
+  }
+};
+
+constexpr Evaluations kEvaluations[] = {
+    {"rk4", 4, 0, 0, 4},         {"midpoint", 2, 0, 0, 2}, {"velocity_verlet", 1, 0, 1, 2},
+    {"blanes_moan", 6, 0, 1, 4}, {"dopri5", 6, 6, 1, 5},   {"dop853", 12, 11, 1, 8}};
+
+TEST(Evaluations, AreAsManyAsRecordsSay) {
+  for (const Evaluations& wanted : kEvaluations) {
+    SCOPED_TRACE(wanted.scheme);
+    const IntegratorRecord& record = *standard().integrator(wanted.scheme);
+    EXPECT_EQ(record.evaluations_per_step, static_cast<int>(wanted.per_step));
+    EXPECT_EQ(record.order, wanted.order);
+    EXPECT_EQ(record.adaptive, wanted.per_refused > 0);
+    const std::string tip = record.conservative_only ? tip_with("") : kTip;
+    EXPECT_EQ(record.conservative_only, std::string(wanted.scheme) == "blanes_moan");
+    std::vector<std::string> integrators = {held_to(wanted.scheme, 0.01)};
+    if (record.adaptive) {
+      for (const double tolerance : {1e-4, 1e-7, 1e-12}) {
+        integrators.push_back(adaptive(tolerance, wanted.scheme));
+      }
+      // The first step is far too long.
+      integrators.push_back("{ type = \"" + std::string(wanted.scheme) +
+                            "\", absolute_tolerance = 1e-9, relative_tolerance = 1e-9, "
+                            "initial_step = 2.0 }");
+    }
+    RunResult last;
+    for (const std::string& integrator : integrators) {
+      last = run_text(tip + integrator);
+      ASSERT_EQ(last.status, RunStatus::finished);
+      EXPECT_EQ(last.force_evaluations, wanted.of(last)) << integrator;
+    }
+    EXPECT_EQ(last.refused_steps > 0, record.adaptive);
+  }
 }
 
-/// The evaluation for a sample at the end of a step may be the first of the next step.
-TEST(Evaluations, SamplesCostRk4OneAtMost) {
-  KeptSamples kept;
-  RunOptions options;
-  options.sink = &kept;
-  const RunResult result =
-      run_text(kTip + fixed_step(0.01) + "\n[output]\nevery = 0.037\n", {}, options);
+/// The evaluation for a sample at the end of a step may be the first of the next step. Dense output
+/// of dop853 has three evaluations more in each step that a sample falls into.
+TEST(Evaluations, OfSamples) {
+  const auto run_with = [](const std::string& integrator, const char* every) {
+    KeptSamples kept;
+    const RunResult result =
+        run_text(kTip + integrator + "\n[output]\nevery = " + every + "\n", {}, watched_by(kept));
+    return std::pair(result, kept.rows.size());
+  };
+  const auto [rk4, rows] = run_with(fixed_step(0.01), "0.037");
   // A particle on a line runs in blocks of steps, which start afresh after a sample.
-  EXPECT_LE(result.force_evaluations, 4 * result.steps + kept.rows.size());
-  EXPECT_GE(result.force_evaluations, 4 * result.steps);
-}
-
-TEST(Evaluations, SixPerAttemptOfDopri5) {
-  for (const double tolerance : {1e-4, 1e-7, 1e-10}) {
-    const RunResult result = run_text(kTip + adaptive(tolerance));
-    EXPECT_EQ(result.force_evaluations, 6 * (result.steps + result.refused_steps) + 1);
-  }
-}
-
-TEST(Evaluations, RefusedStepsAreCounted) {
-  // The first step is far too long.
-  const RunResult result =
-      run_text(kTip +
-               "{ type = \"dopri5\", absolute_tolerance = 1e-9, relative_tolerance = 1e-9, "
-               "initial_step = 2.0 }");
-  EXPECT_EQ(result.status, RunStatus::finished);
-  EXPECT_GT(result.refused_steps, 0u);
-  EXPECT_EQ(result.force_evaluations, 6 * (result.steps + result.refused_steps) + 1);
-}
-
-TEST(Evaluations, TwoPerStepOfMidpoint) {
-  const RunResult result = run_text(kTip + held_to("midpoint", 0.01));
-  EXPECT_EQ(result.force_evaluations, 2 * result.steps);
-}
-
-TEST(Evaluations, SixPerStepOfBlanesMoan) {
-  const RunResult result = run_text(tip_with("") + held_to("blanes_moan", 0.01));
-  EXPECT_EQ(result.force_evaluations, 6 * result.steps + 1);
-}
-
-TEST(Evaluations, TwelvePerStepOfDop853AndElevenPerRefusedOne) {
-  for (const double tolerance : {1e-4, 1e-7, 1e-12}) {
-    const RunResult result = run_text(kTip + adaptive(tolerance, "dop853"));
-    EXPECT_EQ(result.force_evaluations, 12 * result.steps + 11 * result.refused_steps + 1);
-  }
-}
-
-/// Dense output of dop853 has three evaluations more in each step that a sample falls into.
-TEST(Evaluations, SamplesCostDop853Three) {
-  KeptSamples kept;
-  RunOptions options;
-  options.sink = &kept;
-  const RunResult result =
-      run_text(kTip + held_to("dop853", 0.05) + "\n[output]\nevery = 0.371\n", {}, options);
-  const std::size_t within = kept.rows.size() - 1;  // the first needs none
-  EXPECT_EQ(result.force_evaluations, 12 * result.steps + 1 + 3 * within);
-}
-
-TEST(Evaluations, OnePerStepOfVelocityVerlet) {
-  const RunResult result = run_text(kTip + verlet(0.01));
-  EXPECT_EQ(result.force_evaluations, result.steps + 1);
-}
-
-TEST(Evaluations, SamplesCostVelocityVerletNone) {
-  KeptSamples kept;
-  RunOptions options;
-  options.sink = &kept;
-  const RunResult result =
-      run_text(kTip + verlet(0.01) + "\n[output]\nevery = 0.037\n", {}, options);
-  EXPECT_EQ(result.force_evaluations, result.steps + 1);
-  EXPECT_GT(kept.rows.size(), 100u);
-}
-
-TEST(Evaluations, RecordsSayHowMany) {
-  EXPECT_EQ(standard().integrator("velocity_verlet")->evaluations_per_step, 1);
-  EXPECT_EQ(standard().integrator("velocity_verlet")->order, 2);
-  EXPECT_FALSE(standard().integrator("velocity_verlet")->adaptive);
-  EXPECT_EQ(standard().integrator("rk4")->evaluations_per_step, 4);
-  EXPECT_EQ(standard().integrator("rk4")->order, 4);
-  EXPECT_FALSE(standard().integrator("rk4")->adaptive);
-  EXPECT_EQ(standard().integrator("dopri5")->evaluations_per_step, 6);
-  EXPECT_EQ(standard().integrator("dopri5")->order, 5);
-  EXPECT_TRUE(standard().integrator("dopri5")->adaptive);
-  EXPECT_EQ(standard().integrator("dop853")->evaluations_per_step, 12);
-  EXPECT_EQ(standard().integrator("dop853")->order, 8);
-  EXPECT_EQ(standard().integrator("midpoint")->evaluations_per_step, 2);
-  EXPECT_EQ(standard().integrator("midpoint")->order, 2);
-  EXPECT_EQ(standard().integrator("blanes_moan")->evaluations_per_step, 6);
-  EXPECT_EQ(standard().integrator("blanes_moan")->order, 4);
-  EXPECT_TRUE(standard().integrator("blanes_moan")->conservative_only);
+  EXPECT_LE(rk4.force_evaluations, 4 * rk4.steps + rows);
+  EXPECT_GE(rk4.force_evaluations, 4 * rk4.steps);
+  const auto [dop853, seen] = run_with(held_to("dop853", 0.05), "0.371");
+  EXPECT_EQ(dop853.force_evaluations, 12 * dop853.steps + 1 + 3 * (seen - 1));  // none at the start
+  const auto [free_of_cost, many] = run_with(verlet(0.01), "0.037");
+  EXPECT_EQ(free_of_cost.force_evaluations, free_of_cost.steps + 1);
+  EXPECT_GT(many, 100u);
 }
 
 // ---- limits of the adaptive scheme
@@ -412,18 +367,17 @@ std::string limited(const std::string& limits) {
 }
 
 TEST(Limits, SmallestStep) {
-  Engine engine(scene_of(limited("absolute_tolerance = 1e-14, relative_tolerance = 0.0, "
-                                 "smallest_step = 0.05, initial_step = 0.1")),
-                {});
+  const std::string scene = limited(
+      "absolute_tolerance = 1e-14, relative_tolerance = 0.0, "
+      "smallest_step = 0.05, initial_step = 0.1");
+  Engine engine(scene_of(scene), {});
   const Motion before(engine);
   const StepReport report = engine.context().integrator->step(DoubleDouble(0.0), 6.4, false);
   EXPECT_EQ(report.fault, StepFault::step_too_small);
   EXPECT_EQ(report.taken, 0.0);
   EXPECT_TRUE(Motion(engine) == before) << "a failed step leaves the state as it was";
 
-  const RunResult result =
-      run_text(limited("absolute_tolerance = 1e-14, relative_tolerance = 0.0, "
-                       "smallest_step = 0.05, initial_step = 0.1"));
+  const RunResult result = run_text(scene);
   EXPECT_EQ(result.status, RunStatus::failed);
   ASSERT_TRUE(result.failure);
   EXPECT_NE(result.failure->what.find("smallest_step"), std::string::npos);

@@ -31,17 +31,10 @@ constexpr double kRounding = 2e-13;
 constexpr Window kOrder{8.5, 9.6};
 constexpr Window kDenseOrder{5.0, 7.5};
 
-std::string implicit(double tolerance) {
-  return "{ type = \"radau9\", absolute_tolerance = " + digits(tolerance) +
-         ", relative_tolerance = " + digits(tolerance) + " }";
-}
+std::string implicit(double tolerance) { return adaptive(tolerance, "radau9"); }
 
-/// Held to steps of h: the tolerance has no say, which for linear forces one iteration meets.
-std::string implicit_held_to(double h) {
-  return "{ type = \"radau9\", absolute_tolerance = 1e30, relative_tolerance = 0.0, initial_step "
-         "= " +
-         digits(h) + ", largest_step = " + digits(h) + " }";
-}
+/// For linear forces one iteration meets every tolerance.
+std::string implicit_held_to(double h) { return adaptive_of("radau9", h); }
 
 std::uint64_t cost(const RunResult& result) {
   return result.force_evaluations + result.jacobian_columns;
@@ -137,11 +130,9 @@ TEST(Radau9, HasDenseOutputOfOrderSix) {
     std::vector<double> x_errors, force_errors;
     for (const double h : halved(1.6)) {
       KeptSamples kept;
-      RunOptions options;
-      options.sink = &kept;
       std::string text = o.scene(implicit_held_to(h), "[output]\nevery = 0.0377\n");
       if (!inertial) text.insert(text.find("[run]\n") + 6, "dynamics = \"overdamped\"\n");
-      run(scene_of(text), options);
+      run(scene_of(text), watched_by(kept));
       double x_error = 0.0, force_error = 0.0;
       for (const auto& row : kept.rows) {
         // Without inertia x' = (k (V t - x))/c.

@@ -89,17 +89,12 @@ bool has_inertia(const Course& course) { return course.dynamics == Dynamics::ine
 /// Three particles over a row of five, which is of one of the kinds.
 std::string scene_in_plane(const Specimen& one, const std::string& kind, const Course& course) {
   const std::string v = digits(course.speed);
-  std::string text = R"([[body]]
-name = "a"
-type = "particles"
-positions = [[20.6, -7.55], [21.1, -7.6], [21.6, -7.52]]
-particle_mass = 1.0
-[[body]]
-name = "b"
-type = "particles"
+  std::string text = tables(R"([[body]] | name = "a" | type = "particles"
+positions = [[20.6, -7.55], [21.1, -7.6], [21.6, -7.52]] | particle_mass = 1.0
+[[body]] | name = "b" | type = "particles"
 positions = [[20.0, -8.0], [20.5, -8.05], [21.0, -8.0], [21.5, -8.05], [22.0, -8.0]]
 particle_mass = 1.0
-)";
+)");
   text += "coordinates = \"" + kind + "\"\n";
   if (kind == "prescribed") text += "motion = { velocity = [" + v + ", 0.0] }\n";
   std::vector<std::string> moving = {"a"};
@@ -257,72 +252,41 @@ constexpr Course kInSpace = {Dynamics::inertial, 0.02, 5.0};
 
 /// Three atoms of carbon over four others, which do not know them as carbon.
 std::string bond_orders(const std::string& kind) {
-  std::string text = R"([scene]
-units = "metal"
-[[body]]
-name = "a"
-type = "particles"
+  std::string text = tables(R"([scene] | units = "metal"
+[[body]] | name = "a" | type = "particles"
 positions = [[20.0, -15.0, 9.0], [21.6, -15.0, 9.0], [20.8, -13.6, 9.1]]
-velocity = [5.0, 0.0, 0.0]
-species = "C"
-particle_mass = 12.011
-[[body]]
-name = "b"
-type = "particles"
+velocity = [5.0, 0.0, 0.0] | species = "C" | particle_mass = 12.011
+[[body]] | name = "b" | type = "particles"
 positions = [[19.0, -15.0, 6.2], [21.0, -15.0, 6.0], [23.0, -15.0, 6.1], [21.0, -13.0, 6.0]]
-species = "Ar"
-particle_mass = 40.0
-)";
+species = "Ar" | particle_mass = 40.0
+)");
   text += "coordinates = \"" + kind + "\"\n";
   if (kind == "prescribed") text += "motion = { velocity = [5.0, 0.0, 0.0] }\n";
-  return text + R"([[force]]
-type = "tersoff"
-body = "a"
+  return text + tables(R"([[force]] | type = "tersoff" | body = "a"
 parameters = "lindsay_broido_2010"
-[[force]]
-type = "lennard_jones"
-bodies = ["a", "b"]
-epsilon = 0.05
-sigma = 3.0
+[[force]] | type = "lennard_jones" | bodies = ["a", "b"] | epsilon = 0.05 | sigma = 3.0
 cutoff = 6.0
-)";
+)");
 }
 
 /// The body over a sheet is what may move.
 std::string over_sheet(const std::string& kind) {
-  std::string text = R"([scene]
-units = "metal"
-[box]
-lengths = ["12 * 1.42", "6 * sqrt(3) * 1.42", 40.0]
-periodic = [true, true, false]
-[[body]]
-name = "b"
-type = "graphene"
-bond_length = 1.42
-cells = [4, 6]
-centre = [20.0, -15.0, 7.0]
-particle_mass = 12.011
-coordinates = "fixed"
-[[body]]
-name = "a"
-type = "particles"
-positions = [[20.3, -15.2, 10.2], [21.9, -15.0, 10.4]]
-velocity = [5.0, 0.0, 0.0]
+  std::string text = tables(R"([scene] | units = "metal"
+[box] | lengths = ["12 * 1.42", "6 * sqrt(3) * 1.42", 40.0] | periodic = [true, true, false]
+[[body]] | name = "b" | type = "graphene" | bond_length = 1.42 | cells = [4, 6]
+centre = [20.0, -15.0, 7.0] | particle_mass = 12.011 | coordinates = "fixed"
+[[body]] | name = "a" | type = "particles"
+positions = [[20.3, -15.2, 10.2], [21.9, -15.0, 10.4]] | velocity = [5.0, 0.0, 0.0]
 particle_mass = 40.0
-)";
+)");
   if (kind == "prescribed") {
     text.erase(text.rfind("velocity"), std::string("velocity = [5.0, 0.0, 0.0]\n").size());
     text += "motion = { velocity = [5.0, 0.0, 0.0] }\n";
   }
-  return text + "coordinates = \"" + kind + R"("
-[[force]]
-type = "sheet_field"
-bodies = ["a", "b"]
-epsilon = 0.05
-sigma = 3.4
-cutoff = 8.0
-tolerance = 1e-3
-)";
+  return text + "coordinates = \"" + kind + tables(R"("
+[[force]] | type = "sheet_field" | bodies = ["a", "b"] | epsilon = 0.05 | sigma = 3.4
+cutoff = 8.0 | tolerance = 1e-3
+)");
 }
 
 TEST_P(SchemesAgree, InSpace) {

@@ -1,6 +1,5 @@
 #include "integrators/velocity_verlet.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -12,6 +11,7 @@
 
 #include "tests/support/order.hpp"
 #include "tests/support/oscillator.hpp"
+#include "tests/support/pendulum.hpp"
 #include "tests/support/quadratic_drag.hpp"
 #include "tests/support/ring_scenes.hpp"
 
@@ -101,107 +101,38 @@ struct System {
 
 /// Three particles of a rigid body with unequal masses and equal friction: not centred alike.
 std::string lopsided(const std::string& integrator) {
-  return R"([[body]]
-name = "ring"
-type = "ring"
-count = 5
-radius = 0.8
-particle_mass = [0.1, 0.7, 0.3, 0.2, 0.4]
-centre = [0.1, 0.8]
-velocity = [[0.3, 0.0], [0.1, 0.2], [0.0, -0.4], [0.2, 0.1], [0.5, 0.3]]
-coordinates = "rigid"
-[[force]]
-name = "driver"
-type = "driving_spring"
-stiffness = 2.0
-velocity = [0.6, 0.1]
-[[force]]
-type = "viscous_damping"
-coefficient = 0.35
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = 0.05
-period = 1.0
-decay = 0.4
-[run]
-duration = 4.0
-integrator = )" +
+  return tables(R"([[body]] | name = "ring" | type = "ring" | count = 5 | radius = 0.8
+particle_mass = [0.1, 0.7, 0.3, 0.2, 0.4] | centre = [0.1, 0.8]
+velocity = [[0.3, 0.0], [0.1, 0.2], [0.0, -0.4], [0.2, 0.1], [0.5, 0.3]] | coordinates = "rigid"
+[[force]] | name = "driver" | type = "driving_spring" | stiffness = 2.0 | velocity = [0.6, 0.1]
+[[force]] | type = "viscous_damping" | coefficient = 0.35
+[[force]] | type = "sinusoidal_substrate" | amplitude = 0.05 | period = 1.0 | decay = 0.4
+[run] | duration = 4.0 | integrator = )") +
          integrator + "\n";
 }
 
 /// A flexible ring, bonded to a tip, next to a rigid ring.
 std::string several(const std::string& integrator) {
-  return R"([[body]]
-name = "soft"
-type = "ring"
-count = 4
-radius = 0.5
-particle_mass = 0.25
-centre = [0.1, 0.6]
-[[body]]
-name = "tip"
-type = "point"
-position = [0.2, 1.7]
-particle_mass = 0.5
+  return tables(R"([[body]] | name = "soft" | type = "ring" | count = 4 | radius = 0.5
+particle_mass = 0.25 | centre = [0.1, 0.6]
+[[body]] | name = "tip" | type = "point" | position = [0.2, 1.7] | particle_mass = 0.5
 velocity = [0.3, 0.0]
-[[body]]
-name = "stiff"
-type = "ring"
-count = 6
-radius = 0.7
-particle_mass = 0.2
-centre = [3.1, 0.7]
-coordinates = "rigid"
-[[force]]
-name = "inside"
-type = "harmonic_bonds"
-body = "soft"
-pairs = "all"
+[[body]] | name = "stiff" | type = "ring" | count = 6 | radius = 0.7 | particle_mass = 0.2
+centre = [3.1, 0.7] | coordinates = "rigid"
+[[force]] | name = "inside" | type = "harmonic_bonds" | body = "soft" | pairs = "all"
 stiffness = 6.0
-[[force]]
-name = "between"
-type = "harmonic_bonds"
-bodies = ["soft", "tip"]
-pairs = "all"
-stiffness = 1.5
-[[force]]
-name = "pull"
-type = "driving_spring"
-body = "stiff"
-stiffness = 1.0
+[[force]] | name = "between" | type = "harmonic_bonds" | bodies = ["soft", "tip"]
+pairs = "all" | stiffness = 1.5
+[[force]] | name = "pull" | type = "driving_spring" | body = "stiff" | stiffness = 1.0
 velocity = [0.5, 0.0]
-[[force]]
-name = "drag_soft"
-type = "viscous_damping"
-body = "soft"
-coefficient = 0.2
-[[force]]
-name = "drag_tip"
-type = "viscous_damping"
-body = "tip"
-coefficient = 0.3
-[[force]]
-name = "drag_stiff"
-type = "viscous_damping"
-body = "stiff"
-coefficient = 0.1
-[[force]]
-name = "under_soft"
-type = "sinusoidal_substrate"
-body = "soft"
-amplitude = 0.02
-period = 1.0
-decay = 0.5
-[[force]]
-name = "under_stiff"
-type = "sinusoidal_substrate"
-body = "stiff"
-amplitude = 0.03
-period = 1.0
-decay = 0.5
-[run]
-duration = 4.0
-integrator = )" +
+[[force]] | name = "drag_soft" | type = "viscous_damping" | body = "soft" | coefficient = 0.2
+[[force]] | name = "drag_tip" | type = "viscous_damping" | body = "tip" | coefficient = 0.3
+[[force]] | name = "drag_stiff" | type = "viscous_damping" | body = "stiff" | coefficient = 0.1
+[[force]] | name = "under_soft" | type = "sinusoidal_substrate" | body = "soft"
+amplitude = 0.02 | period = 1.0 | decay = 0.5
+[[force]] | name = "under_stiff" | type = "sinusoidal_substrate" | body = "stiff"
+amplitude = 0.03 | period = 1.0 | decay = 0.5
+[run] | duration = 4.0 | integrator = )") +
          integrator + "\n";
 }
 
@@ -236,13 +167,6 @@ std::vector<double> numbers_of(const RunResult& result) {
   return all;
 }
 
-double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
-  EXPECT_EQ(a.size(), b.size());
-  double largest = 0.0;
-  for (std::size_t k = 0; k < a.size(); ++k) largest = std::max(largest, std::abs(a[k] - b[k]));
-  return largest;
-}
-
 TEST(VerletOrder, OfEveryKindOfBody) {
   for (const System& system : systems()) {
     const auto exact = numbers_of(run_text(system.text(adaptive(1e-12))));
@@ -262,70 +186,21 @@ TEST(VerletOrder, OfEveryKindOfBody) {
 
 // ---- energy
 
-const char* const kPendulum = R"([[body]]
-type = "point"
-position = [0.3]
-velocity = [0.1]
-particle_mass = 1.0
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = 0.5
-period = 6.283185307179586
-[[force]]
-name = "driver"
-type = "driving_spring"
-stiffness = 1.0
-velocity = [0.0]
-start = [0.0]
-[run]
-duration = 1e9
-integrator = )";
-
-double energy_of(Engine& engine) {
-  Model& model = engine.model();
-  const SystemView<double>& view = model.system().view;
-  return model.kinetic_energy(view.position, view.velocity) +
-         model.potential_energy(DoubleDouble(engine.time()), view.position, view.velocity,
-                                view.integrals);
-}
-
-/// The largest deviation of the energy from `start` over so many steps, looked at often.
-double swing(Engine& engine, double start, int looks, std::uint64_t every) {
-  double largest = 0.0;
-  for (int k = 0; k < looks; ++k) {
-    engine.advance(every);
-    largest = std::max(largest, std::abs(energy_of(engine) - start));
-  }
-  return largest;
-}
-
 /// An anharmonic oscillator over 1e5 of its periods: the energy swings by O(h^2) and comes back.
 TEST(VerletEnergy, StaysBoundedOverAHundredThousandPeriods) {
   constexpr double kDt = 0.2;  // some 30 steps a period
   constexpr std::uint64_t kSteps = 3'000'000;
-  Engine engine(scene_of(kPendulum + verlet(kDt)), {});
-  const double start = energy_of(engine);
-  const double early = swing(engine, start, 1000, 7);
-  engine.advance(kSteps);
-  const double late = swing(engine, start, 1000, 7);
-  EXPECT_GT(early, 1e-5) << "nothing to see";
-  EXPECT_NEAR(late / early, 1.0, 0.02) << "a drift";
+  const Swings swings(verlet(kDt), kSteps);
+  EXPECT_GT(swings.early, 1e-5) << "nothing to see";
+  EXPECT_NEAR(swings.late / swings.early, 1.0, 0.02) << "a drift";
 
-  Engine rk4(scene_of(kPendulum + fixed_step(kDt)), {});
+  Engine rk4(scene_of(pendulum(fixed_step(kDt))), {});
   rk4.advance(kSteps);
-  EXPECT_GT(std::abs(energy_of(rk4) - start), 10.0 * late) << "the test sees a drift";
+  EXPECT_GT(std::abs(energy_of(rk4) - swings.start), 10.0 * swings.late) << "the test sees a drift";
 }
 
 TEST(VerletEnergy, SwingsWithTheSquareOfTheStep) {
-  std::vector<double> steps;
-  std::vector<double> swings;
-  for (double h = 0.2; h > 0.02; h *= 0.5) {
-    Engine engine(scene_of(kPendulum + verlet(h)), {});
-    const double start = energy_of(engine);
-    steps.push_back(h);
-    swings.push_back(swing(engine, start, static_cast<int>(400.0 / h), 1));
-  }
-  const double order = fitted_order(steps, swings);
+  const double order = power_of_swings("velocity_verlet", 0.2, 0.02);
   EXPECT_TRUE(kOrder.holds(order)) << order;
 }
 
@@ -351,7 +226,7 @@ TEST(VerletEnergy, ARunCanBeRetraced) {
   const RunResult there = run_text(at_rest(scene(0.3, 0.2)));
   const RunResult back =
       run_text(at_rest(scene(there.body(0)["centre_of_mass"][0], -there.body(0)["velocity"][0])));
-  constexpr double kRounding = 1e-10;  // of positions, over the window  // 1600 steps
+  constexpr double kRounding = 1e-10;  // 1600 steps
   EXPECT_NEAR(back.body(0)["centre_of_mass"][0], 0.3, kRounding);
   EXPECT_NEAR(back.body(0)["velocity"][0], -0.2, kRounding);
 }

@@ -66,27 +66,14 @@ std::string tip_of(double amplitude) {
 [[body]]
 type = "point"
 position = [0.5, )" +
-         text_of(0.5 / std::sqrt(3.0)) + R"(]
+         text_of(0.5 / std::sqrt(3.0)) + tables(R"(]
 particle_mass = 1.0
-[[force]]
-name = "driver"
-type = "driving_spring"
-stiffness = 1.0
-velocity = [1e-3, 0.0]
-[[force]]
-type = "lattice_substrate"
-lattice = "honeycomb"
-period = 1.0
-amplitude = )" +
-         text_of(amplitude) + R"(
-[run]
-dynamics = "quasistatic"
-duration = 6000.0
-[measure]
-from = 3
-to = 6
-in = "driver_periods"
-)";
+[[force]] | name = "driver" | type = "driving_spring" | stiffness = 1.0 | velocity = [1e-3, 0.0]
+[[force]] | type = "lattice_substrate" | lattice = "honeycomb" | period = 1.0 | amplitude = )") +
+         text_of(amplitude) + tables(R"(
+[run] | dynamics = "quasistatic" | duration = 6000.0
+[measure] | from = 3 | to = 6 | in = "driver_periods"
+)");
 }
 
 /// Equilibria are followed to this part of a force of order 1, slips included.

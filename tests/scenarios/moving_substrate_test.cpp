@@ -176,39 +176,18 @@ constexpr double kSameModel = 1e-7;
 
 /// The tip of the shipped scene over a field.
 std::string field_scene(const std::string& energy) {
-  return R"toml(
-[parameters]
-c = "0.6 * sqrt(2*pi)"
-V1 = "c * exp(-0.18 * pi^2)"
-V2 = "c * exp(-0.72 * pi^2)"
-V3 = "c * exp(-1.62 * pi^2)"
-[[body]]
-name = "tip"
-type = "point"
-position = [0.5]
-particle_mass = 1.0
-[[force]]
-name = "driver"
-type = "driving_spring"
-stiffness = 0.5
-velocity = [5e-3]
-[[force]]
-type = "viscous_damping"
-coefficient = 3.0
-[[force]]
-type = "expression"
-period = 1.0
-energy = ")toml" +
-         energy + R"toml("
-[run]
-duration = 2000.0
+  return tables(R"toml(
+[parameters] | c = "0.6 * sqrt(2*pi)" | V1 = "c * exp(-0.18 * pi^2)"
+V2 = "c * exp(-0.72 * pi^2)" | V3 = "c * exp(-1.62 * pi^2)"
+[[body]] | name = "tip" | type = "point" | position = [0.5] | particle_mass = 1.0
+[[force]] | name = "driver" | type = "driving_spring" | stiffness = 0.5 | velocity = [5e-3]
+[[force]] | type = "viscous_damping" | coefficient = 3.0
+[[force]] | type = "expression" | period = 1.0 | energy = ")toml") +
+         energy + tables(R"toml("
+[run] | duration = 2000.0
 integrator = { type = "dopri5", absolute_tolerance = 1e-9, relative_tolerance = 1e-9 }
-[measure]
-period = 1.0
-from = 4.0
-to = 9.0
-in = "driver_periods"
-)toml";
+[measure] | period = 1.0 | from = 4.0 | to = 9.0 | in = "driver_periods"
+)toml");
 }
 
 TEST(MovingSubstrate, FixedAtomsAreTheFieldOfPoissonsFormula) {

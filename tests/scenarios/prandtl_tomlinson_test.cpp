@@ -202,29 +202,15 @@ TEST(PrandtlTomlinson, WithoutInertiaSlipsComeLateAsAirysEquationSays) {
   }
 }
 
-constexpr const char* kReleased = R"toml(
-[parameters]
-damping = 1.0
-m = 4.0
-V0 = 0.1
-[[body]]
-name = "tip"
-type = "point"
-position = [0.501]
-particle_mass = "m"
-[[force]]
-type = "viscous_damping"
-coefficient = "damping * 4 * pi * sqrt(m * V0)"
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = "V0"
-period = 1.0
-[run]
-duration = 60.0
+const std::string kReleased = tables(R"toml(
+[parameters] | damping = 1.0 | m = 4.0 | V0 = 0.1
+[[body]] | name = "tip" | type = "point" | position = [0.501] | particle_mass = "m"
+[[force]] | type = "viscous_damping" | coefficient = "damping * 4 * pi * sqrt(m * V0)"
+[[force]] | type = "sinusoidal_substrate" | amplitude = "V0" | period = 1.0
+[run] | duration = 60.0
 integrator = { type = "dopri5", absolute_tolerance = 1e-12, relative_tolerance = 1e-12 }
-[output]
-every = 0.1
-)toml";
+[output] | every = 0.1
+)toml");
 
 TEST(PrandtlTomlinson, UnderdampedMeansBelowTheRootOfMassTimesAmplitude) {
   // With m = 4 the criterion with sqrt(V0/m) would be off by a factor of four.
@@ -244,32 +230,16 @@ TEST(PrandtlTomlinson, UnderdampedMeansBelowTheRootOfMassTimesAmplitude) {
   }
 }
 
-constexpr const char* kWashboard = R"(
-[parameters]
-m = 1e-2
-F = 1.0
-T = 1.0
-[[body]]
-type = "point"
-position = [0.0]
-particle_mass = "m"
-[[force]]
-type = "constant_force"
-force = ["F"]
-[[force]]
-type = "viscous_damping"
-coefficient = 1.0
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = 0.1
-period = 1.0
-[run]
-duration = "12 * T"
+const std::string kWashboard = tables(R"(
+[parameters] | m = 1e-2 | F = 1.0 | T = 1.0
+[[body]] | type = "point" | position = [0.0] | particle_mass = "m"
+[[force]] | type = "constant_force" | force = ["F"]
+[[force]] | type = "viscous_damping" | coefficient = 1.0
+[[force]] | type = "sinusoidal_substrate" | amplitude = 0.1 | period = 1.0
+[run] | duration = "12 * T"
 integrator = { type = "dopri5", absolute_tolerance = 1e-11, relative_tolerance = 1e-11 }
-[measure]
-from = "2 * T"
-to = "12 * T"
-)";
+[measure] | from = "2 * T" | to = "12 * T"
+)");
 
 TEST(PrandtlTomlinson, RunsDownTheWashboardAtTheKnownSpeed) {
   for (const double force : {0.7, 1.0, 2.0}) {

@@ -268,26 +268,13 @@ TEST(RollingRingFig5a, ThresholdIsTheFoldOfThePathInBothDirections) {
 }
 
 /// A particle at the height of the ring's centre, as the path of equilibria has it.
-constexpr const char* kParticleOfFig5a = R"(
-[parameters]
-k = 56.0
-[[body]]
-type = "point"
-position = [0.0, 0.001]
-particle_mass = 1.0
-[[force]]
-type = "driving_spring"
-stiffness = "k"
-velocity = [1.0, 0.0]
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = 1.0
-period = 1.0
-decay = 50.0
-[run]
-dynamics = "quasistatic"
-duration = 2.5
-)";
+const std::string kParticleOfFig5a = tables(R"(
+[parameters] | k = 56.0
+[[body]] | type = "point" | position = [0.0, 0.001] | particle_mass = 1.0
+[[force]] | type = "driving_spring" | stiffness = "k" | velocity = [1.0, 0.0]
+[[force]] | type = "sinusoidal_substrate" | amplitude = 1.0 | period = 1.0 | decay = 50.0
+[run] | dynamics = "quasistatic" | duration = 2.5
+)");
 
 TEST(RollingRingFig5a, BisectionOfSlipsFindsTheThreshold) {
   const auto threshold_of = [](SceneDocument scene, const std::vector<Setting>& settings) {

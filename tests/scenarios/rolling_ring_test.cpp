@@ -153,33 +153,16 @@ double share_of_corrugation(double radius) {
   return std::abs(sum) / kParticles;
 }
 
-constexpr const char* kTip = R"toml(
-[parameters]
-V = 0.1
-[[body]]
-type = "point"
-position = [0.0]
-particle_mass = 1.0
-[[force]]
-name = "driver"
-type = "driving_spring"
-stiffness = 2.0
-velocity = [1e-3]
-[[force]]
-type = "viscous_damping"
-coefficient = "2 * sqrt(2)"
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = "V"
-period = 1.0
-[run]
-duration = 10000.0
+const std::string kTip = tables(R"toml(
+[parameters] | V = 0.1
+[[body]] | type = "point" | position = [0.0] | particle_mass = 1.0
+[[force]] | name = "driver" | type = "driving_spring" | stiffness = 2.0 | velocity = [1e-3]
+[[force]] | type = "viscous_damping" | coefficient = "2 * sqrt(2)"
+[[force]] | type = "sinusoidal_substrate" | amplitude = "V" | period = 1.0
+[run] | duration = 10000.0
 integrator = { type = "dopri5", absolute_tolerance = 1e-11, relative_tolerance = 1e-11 }
-[measure]
-from = 1.0
-to = 10.0
-in = "driver_periods"
-)toml";
+[measure] | from = 1.0 | to = 10.0 | in = "driver_periods"
+)toml");
 
 double ring_without_height(const std::string& radius) {
   return mean_force(run_shipped(kRigid, {{"lambda", "0"},

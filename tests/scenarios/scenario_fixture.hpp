@@ -13,6 +13,7 @@
 #include "framework/standard_registry.hpp"
 #include "framework/study/accuracy/accuracy.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/tables.hpp"
 
 /// Runs the scenes that are shipped, and scenes given as text.
 namespace tomlin::test {

@@ -21,31 +21,14 @@ double number_at(const RunResult& result, const std::string& path) {
 TEST(TipInTwoDimensions, AlongARowItIsATipInOne) {
   const RunResult scan = run_shipped(kScanLine);
   // The second tip moves on -2 V0 cos(2 pi x/a); both take steps of rk4.
-  const RunResult tip = run_text(R"(
-[[body]]
-type = "point"
-position = [0.0]
-particle_mass = 1.0
-[[force]]
-name = "driver"
-type = "driving_spring"
-stiffness = 1.0
-velocity = [1e-2]
-[[force]]
-type = "viscous_damping"
-coefficient = 2.0
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = -0.2
-period = 1.0
-[run]
-duration = 1000.0
-integrator = { type = "rk4", dt = 0.02 }
-[measure]
-from = 400.0
-to = 1000.0
-in = "time"
-)");
+  const RunResult tip = run_text(tables(R"(
+[[body]] | type = "point" | position = [0.0] | particle_mass = 1.0
+[[force]] | name = "driver" | type = "driving_spring" | stiffness = 1.0 | velocity = [1e-2]
+[[force]] | type = "viscous_damping" | coefficient = 2.0
+[[force]] | type = "sinusoidal_substrate" | amplitude = -0.2 | period = 1.0
+[run] | duration = 1000.0 | integrator = { type = "rk4", dt = 0.02 }
+[measure] | from = 400.0 | to = 1000.0 | in = "time"
+)"));
   EXPECT_GT(number_at(scan, "events.slips"), 5.0);
   EXPECT_NEAR(number_at(scan, "driver.mean_force.x"), number_at(tip, "driver.mean_force.x"), 1e-9);
   EXPECT_NEAR(number_at(scan, "driver.max_force.x"), number_at(tip, "driver.max_force.x"), 1e-9);

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 /// Orders of convergence read off measured errors.
@@ -24,6 +26,14 @@ inline double fitted_order(const std::vector<double>& step, const std::vector<do
   }
   if (n < 2.0) return std::nan("");
   return (n * sxy - sx * sy) / (n * sxx - sx * sx);
+}
+
+/// Returns infinity for lists of different lengths.
+inline double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  if (a.size() != b.size()) return std::numeric_limits<double>::infinity();
+  double largest = 0.0;
+  for (std::size_t k = 0; k < a.size(); ++k) largest = std::max(largest, std::abs(a[k] - b[k]));
+  return largest;
 }
 
 /// A two-sided window: an order that is too good is as suspicious as one that is too poor.

@@ -2,6 +2,7 @@
 
 #include <cstring>
 #include <memory>
+#include <optional>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -17,6 +18,7 @@
 #include "framework/standard_registry.hpp"
 #include "framework/study/accuracy/accuracy.hpp"
 #include "tests/support/faults.hpp"
+#include "tests/support/tables.hpp"
 
 /// Scenes for tests, with every component of this version or with a registry of the test's own.
 namespace tomlin::test {
@@ -34,6 +36,12 @@ inline std::shared_ptr<const Scene> scene_of(std::string_view text,
 inline RunResult run_text(std::string_view text, const std::vector<Setting>& settings = {},
                           const RunOptions& options = {}) {
   return run(scene_of(text, settings), options);
+}
+
+inline RunOptions watched_by(RunSink& sink) {
+  RunOptions options;
+  options.sink = &sink;
+  return options;
 }
 
 /// A number as a setting, to the last digit.
@@ -81,6 +89,14 @@ inline const ResultGroup& body_of(const RunResult& result, std::string_view name
     if (body.name == name) return body;
   }
   throw std::logic_error("no body " + std::string(name));
+}
+
+/// Returns the standard error of an observable; nothing where the result lists it without one.
+inline std::optional<double> stated_error(const RunResult& result, const std::string& path) {
+  for (const ErrorEstimate& one : result.errors) {
+    if (one.path == path) return one.error;
+  }
+  throw std::logic_error("no error of " + path);
 }
 
 /// The faults that a scene is refused with, as one text; empty when it is not.

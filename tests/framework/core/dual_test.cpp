@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/framework/core/math_bits.hpp"
 #include "tests/framework/core/target_test.hpp"
 
 namespace tomlin {
@@ -14,10 +15,6 @@ namespace {
 using Single = Dual<double, 1>;
 using Hessian = Dual<Dual<double, 2>, 2>;
 
-// A central difference of step h errs by h^2 f'''/6 and by rounding/h; both are below this for
-// h = 1e-5 and the functions here, whose third derivatives stay below 1e3.
-constexpr double kStep = 1e-5;
-constexpr double kDifferenceError = 3e-7;
 // A derivative by the chain rule costs a few roundings.
 constexpr double kRounding = 2e-15;
 
@@ -32,14 +29,6 @@ struct {
            copysign(x, -x) + max(x, T(0.7)) * min(x * x, T(0.9)) + round(x) + (-x) * 3;
   }
 } everything;
-
-// f and its derivative agree with the central difference of f.
-template <class F>
-double difference_error(F f, double x) {
-  const Single d = f(Single::variable(x, 0));
-  const double slope = (f(x + kStep) - f(x - kStep)) / (2 * kStep);
-  return std::abs(d.derivative[0] - slope) / (1 + std::abs(slope));
-}
 
 }  // namespace
 
@@ -126,9 +115,9 @@ TARGET_TEST(Dual, NestedAgreesWithDifferencesOfTheFirst) {
   using Second = Dual<Single, 1>;
   for (double x : {0.31, 0.81, 1.2, 1.7}) {
     const Second d = everything(Second::variable(Single::variable(x, 0), 0));
-    const double up = everything(Single::variable(x + kStep, 0)).derivative[0];
-    const double down = everything(Single::variable(x - kStep, 0)).derivative[0];
-    const double curvature = (up - down) / (2 * kStep);
+    const double up = everything(Single::variable(x + kDifferenceStep, 0)).derivative[0];
+    const double down = everything(Single::variable(x - kDifferenceStep, 0)).derivative[0];
+    const double curvature = (up - down) / (2 * kDifferenceStep);
     EXPECT_NEAR(d.derivative[0].derivative[0], curvature,
                 kDifferenceError * (1 + std::abs(curvature)));
   }

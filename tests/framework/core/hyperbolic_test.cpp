@@ -22,19 +22,6 @@ constexpr double kTanhError = 1.7;
 
 constexpr int kSamples = 200000;
 
-/// The largest error in units of the last place, which no longer shrinks for subnormal numbers; a
-/// NaN is worse than everything.
-struct WorstHyperbolic {
-  double error = 0;
-  void add(double got, long double exact) {
-    int exponent;
-    frexpl(exact, &exponent);
-    const double unit = ldexp(1.0, std::max(exponent - 53, -1074));
-    const double e = static_cast<double>(fabsl(got - exact)) / unit;
-    if (!(e <= error)) error = e;
-  }
-};
-
 constexpr double kHighest = 710.4758;  // cosh of it is just finite
 
 /// Arguments of order one, near the ends of the series, up to overflow, of any small size.
@@ -67,10 +54,10 @@ std::uint64_t hyperbolic_bits() {
                             TestRange::kSmall,
                             TestRange::kExpHighest,
                             -TestRange::kExpHighest,
-                            std::numeric_limits<double>::infinity(),
-                            -std::numeric_limits<double>::infinity(),
-                            std::numeric_limits<double>::quiet_NaN(),
-                            std::numeric_limits<double>::max()};
+                            TestRange::kInfinity,
+                            -TestRange::kInfinity,
+                            TestRange::kNan,
+                            TestRange::kMax};
   BitsHash hash;
   TestNumbers numbers(20261125);
   for (int block = 0; block < 4000; ++block) {
@@ -90,26 +77,18 @@ std::uint64_t hyperbolic_bits() {
           x = special[numbers.bits() % std::size(special)];
       }
     }
-    add_results<T>(
-        hash, [](auto x, auto, auto) { return sinh(x); }, a, a, a);
-    add_results<T>(
-        hash, [](auto x, auto, auto) { return cosh(x); }, a, a, a);
-    add_results<T>(
-        hash, [](auto x, auto, auto) { return tanh(x); }, a, a, a);
-    add_results<T>(
-        hash, [](auto x, auto, auto) { return sign(x); }, a, a, a);
-    add_results<T>(
-        hash, [](auto x, auto, auto) { return unit_step(x); }, a, a, a);
+    const auto add = [&](auto f) { add_results<T>(hash, f, a, a, a); };
+    add([](auto x, auto, auto) { return sinh(x); });
+    add([](auto x, auto, auto) { return cosh(x); });
+    add([](auto x, auto, auto) { return tanh(x); });
+    add([](auto x, auto, auto) { return sign(x); });
+    add([](auto x, auto, auto) { return unit_step(x); });
   }
   return hash.value();
 }
 
 // Recorded once, as kMathBits in math_test.cpp.
 constexpr std::uint64_t kHyperbolicBits = 12007967381882562232u;
-
-// See dual_test.cpp: a central difference of this step errs by h^2 f'''/6 and by rounding/h.
-constexpr double kHyperbolicStep = 1e-5;
-constexpr double kHyperbolicDifference = 3e-7;
 
 using Slope = Dual<double, 1>;
 
@@ -122,18 +101,11 @@ struct {
   }
 } const all_hyperbolic;
 
-template <class F>
-double error_of_slope(F f, double x) {
-  const double slope = (f(x + kHyperbolicStep) - f(x - kHyperbolicStep)) / (2 * kHyperbolicStep);
-  const Slope d = f(Slope::variable(x, 0));
-  return std::abs(d.derivative[0] - slope) / (1 + std::abs(slope));
-}
-
 }  // namespace
 
 TARGET_TEST(Hyperbolic, DoublesAreAccurate) {
   TestNumbers numbers(71);
-  WorstHyperbolic sine, cosine, tangent;
+  WorstError sine, cosine, tangent;
   for (int i = 0; i < kSamples; ++i) {
     const double x = any_argument(numbers, i);
     sine.add(sinh(x), sinhl(x));
@@ -151,7 +123,7 @@ TARGET_TEST(Hyperbolic, DoublesAreAccurate) {
 
 // The definitions lose digits by cancellation, and fail beyond the overflow of the exponential.
 TARGET_TEST(Hyperbolic, AccuracyChecksSeeTheDefinitions) {
-  WorstHyperbolic sine, tangent, cosine;
+  WorstError sine, tangent, cosine;
   for (const double x : {1e-3, 0.02, 0.3}) {
     sine.add(0.5 * (exp(x) - exp(-x)), sinhl(x));
     tangent.add(1.0 - 2.0 / (exp(2.0 * x) + 1.0), tanhl(x));
@@ -198,16 +170,16 @@ TARGET_TEST(Hyperbolic, EveryLaneAndTargetHasTheSameBits) {
 TARGET_TEST(Hyperbolic, DerivativesAgreeWithDifferences) {
   using Second = Dual<Slope, 1>;
   for (const double x : {0.11, 0.31, 0.63, 0.97, 1.4, 1.9}) {
-    EXPECT_LT(error_of_slope(all_hyperbolic, x), kHyperbolicDifference) << x;
+    EXPECT_LT(difference_error(all_hyperbolic, x), kDifferenceError) << x;
     EXPECT_EQ(all_hyperbolic(Slope::variable(x, 0)).value, all_hyperbolic(x));
     const Second d = all_hyperbolic(Second::variable(Slope::variable(x, 0), 0));
     const auto slope = [&](double at) {
       return all_hyperbolic(Slope::variable(at, 0)).derivative[0];
     };
     const double curvature =
-        (slope(x + kHyperbolicStep) - slope(x - kHyperbolicStep)) / (2 * kHyperbolicStep);
+        (slope(x + kDifferenceStep) - slope(x - kDifferenceStep)) / (2 * kDifferenceStep);
     EXPECT_NEAR(d.derivative[0].derivative[0], curvature,
-                10 * kHyperbolicDifference * (1 + std::abs(curvature)))
+                10 * kDifferenceError * (1 + std::abs(curvature)))
         << x;
   }
   // A control: a derivative off by 1e-4.
@@ -216,7 +188,7 @@ TARGET_TEST(Hyperbolic, DerivativesAgreeWithDifferences) {
     if constexpr (is_dual<decltype(x)>) y.derivative[0] *= 1 + 1e-4;
     return y;
   };
-  EXPECT_GT(error_of_slope(off, 0.4), 10 * kHyperbolicDifference);
+  EXPECT_GT(difference_error(off, 0.4), 10 * kDifferenceError);
 }
 
 // 1 - tanh^2 would be zero from 19 on.

@@ -24,19 +24,6 @@ constexpr double kAtan2Error = 1.6;
 constexpr double kAsinError = 1.2;
 constexpr double kAcosError = 1.15;
 
-/// The largest error in units of the last place, which no longer shrinks for subnormal numbers; a
-/// NaN is worse than everything.
-struct Worst {
-  double error = 0;
-  void add(double got, long double exact) {
-    int exponent;
-    frexpl(exact, &exponent);
-    const double unit = ldexp(1.0, std::max(exponent - 53, -1074));
-    const double e = static_cast<double>(fabsl(got - exact)) / unit;
-    if (!(e <= error)) error = e;
-  }
-};
-
 /// Arguments of atan: of order one, near the ends of the reduced interval, of any size.
 double any_ratio(TestNumbers& numbers, int i) {
   switch (i % 4) {
@@ -76,7 +63,7 @@ constexpr int kSamples = 200000;
 
 TARGET_TEST(InverseTrigonometry, AtanIsAccurate) {
   TestNumbers numbers(61);
-  Worst one, two;
+  WorstError one, two;
   for (int i = 0; i < kSamples; ++i) {
     const double x = any_ratio(numbers, i);
     one.add(atan(x), atanl(x));
@@ -94,7 +81,7 @@ TARGET_TEST(InverseTrigonometry, AtanOfVeryLargeAndSmallCoordinates) {
   // Overflow of x + y, ratios of subnormal numbers.
   const double sizes[] = {0x1p-1074, 3 * 0x1p-1074, 0x1p-1060, 1e-300, 1, 1e300, 0x1p1023, 1.7e308};
   TestNumbers numbers(62);
-  Worst worst;
+  WorstError worst;
   for (const double a : sizes) {
     for (const double b : sizes) {
       for (int i = 0; i < 200; ++i) {
@@ -114,7 +101,7 @@ TARGET_TEST(InverseTrigonometry, AtanOfVeryLargeAndSmallCoordinates) {
 
 TARGET_TEST(InverseTrigonometry, AsinAndAcosAreAccurate) {
   TestNumbers numbers(63);
-  Worst sine, cosine;
+  WorstError sine, cosine;
   for (int i = 0; i < kSamples; ++i) {
     const double x = any_sine(numbers, i);
     sine.add(asin(x), asinl(x));
@@ -130,7 +117,7 @@ TARGET_TEST(InverseTrigonometry, AccuracyChecksSeeASpoiltSeries) {
   // The accuracy checks must fail for atan with its last term dropped, and with the low part of
   // pi/4 left out.
   using Fit = math_detail::InverseFit;
-  Worst dropped, intact, short_pi;
+  WorstError dropped, intact, short_pi;
   TestNumbers numbers(65);
   for (int i = 0; i < 2000; ++i) {
     const double u = numbers.uniform(0.4, 0.5), z = u * u;
@@ -145,7 +132,7 @@ TARGET_TEST(InverseTrigonometry, AccuracyChecksSeeASpoiltSeries) {
   EXPECT_LT(intact.error, kAtanError);
   EXPECT_GT(dropped.error, 1e4 * kAtanError);
   EXPECT_GT(short_pi.error, 0.75);
-  Worst long_pi;
+  WorstError long_pi;
   for (int i = 0; i < 2000; ++i) {
     const double u = numbers.uniform(0.3, 0.41);
     long_pi.add(atan2(u, -1.0), acosl(-1.0L) - atanl(u));
@@ -226,10 +213,10 @@ std::uint64_t inverse_bits() {
                             -TestRange::kTiny,
                             TestRange::kHuge,
                             TestRange::kSmall,
-                            std::numeric_limits<double>::infinity(),
-                            -std::numeric_limits<double>::infinity(),
-                            std::numeric_limits<double>::quiet_NaN(),
-                            std::numeric_limits<double>::max(),
+                            TestRange::kInfinity,
+                            -TestRange::kInfinity,
+                            TestRange::kNan,
+                            TestRange::kMax,
                             0.25,
                             0.414};
   BitsHash hash;
@@ -252,19 +239,14 @@ std::uint64_t inverse_bits() {
           unit[i] = special[numbers.bits() % std::size(special)];
       }
     }
-    add_results<T>(
-        hash, [](auto x, auto, auto) { return atan(x); }, a, b, unit);
-    add_results<T>(
-        hash, [](auto x, auto y, auto) { return atan2(y, x); }, a, b, unit);
-    add_results<T>(
-        hash, [](auto, auto, auto z) { return asin(z); }, a, b, unit);
-    add_results<T>(
-        hash, [](auto, auto, auto z) { return acos(z); }, a, b, unit);
-    add_results<T>(
-        hash, [](auto x, auto, auto) { return floor(x); }, a, b, unit);
+    const auto add = [&](auto f) { add_results<T>(hash, f, a, b, unit); };
+    add([](auto x, auto, auto) { return atan(x); });
+    add([](auto x, auto y, auto) { return atan2(y, x); });
+    add([](auto, auto, auto z) { return asin(z); });
+    add([](auto, auto, auto z) { return acos(z); });
+    add([](auto x, auto, auto) { return floor(x); });
     if (block % 3 == 0) {
-      add_results<T>(
-          hash, [](auto x, auto, auto) { return tan_turns(x); }, a, b, unit);
+      add([](auto x, auto, auto) { return tan_turns(x); });
     }
   }
   return hash.value();
@@ -285,10 +267,6 @@ namespace {
 
 using Single = Dual<double, 1>;
 
-// See dual_test.cpp: a central difference of this step errs by h^2 f'''/6 and by rounding/h.
-constexpr double kStep = 1e-5;
-constexpr double kDifferenceError = 3e-7;
-
 // Each function with its inner derivative in play; x is between 0.1 and 0.9.
 struct {
   template <class T>
@@ -299,13 +277,6 @@ struct {
   }
 } const everything;
 
-template <class F>
-double difference_error(F f, double x) {
-  const double slope = (f(x + kStep) - f(x - kStep)) / (2 * kStep);
-  const Single d = f(Single::variable(x, 0));
-  return std::abs(d.derivative[0] - slope) / (1 + std::abs(slope));
-}
-
 }  // namespace
 
 TARGET_TEST(InverseTrigonometry, DerivativesAgreeWithDifferences) {
@@ -314,9 +285,9 @@ TARGET_TEST(InverseTrigonometry, DerivativesAgreeWithDifferences) {
     EXPECT_LT(difference_error(everything, x), kDifferenceError) << x;
     EXPECT_EQ(everything(Single::variable(x, 0)).value, everything(x));
     const Second d = everything(Second::variable(Single::variable(x, 0), 0));
-    const double up = everything(Single::variable(x + kStep, 0)).derivative[0];
-    const double down = everything(Single::variable(x - kStep, 0)).derivative[0];
-    const double curvature = (up - down) / (2 * kStep);
+    const double up = everything(Single::variable(x + kDifferenceStep, 0)).derivative[0];
+    const double down = everything(Single::variable(x - kDifferenceStep, 0)).derivative[0];
+    const double curvature = (up - down) / (2 * kDifferenceStep);
     EXPECT_NEAR(d.derivative[0].derivative[0], curvature,
                 10 * kDifferenceError * (1 + std::abs(curvature)))
         << x;

@@ -2,10 +2,13 @@
 // one instruction set and another, give the same bits.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <type_traits>
 
+#include "framework/core/numbers/dual.hpp"
 #include "framework/core/numbers/math.hpp"
 #include "tests/framework/core/target_test.hpp"
 
@@ -32,7 +35,34 @@ struct TestRange {
   static constexpr double kTurns = 0x1p50;
   static constexpr double kExpHighest = 709.782712893384, kExpLowest = -745.13321910194122;
   static constexpr double kBeyondLow = -750, kBeyondHigh = 720;
+  static constexpr double kInfinity = __builtin_inf(), kNan = __builtin_nan("");
+  static constexpr double kMax = std::numeric_limits<double>::max();
 };
+
+/// The largest error in units of the last place, which no longer shrinks for subnormal numbers; a
+/// NaN is worse than everything.
+struct WorstError {
+  double error = 0;
+  void add(double got, long double exact) {
+    int exponent;
+    frexpl(exact, &exponent);
+    const double unit = ldexp(1.0, std::max(exponent - 53, -1074));
+    const double e = static_cast<double>(fabsl(got - exact)) / unit;
+    if (!(e <= error)) error = e;
+  }
+};
+
+/// Central differences of this step err by h^2 f'''/6 and by rounding/h.
+inline constexpr double kDifferenceStep = 1e-5;
+inline constexpr double kDifferenceError = 3e-7;
+
+/// Returns how far the derivative that f has in dual numbers is off its central difference.
+template <class F>
+double difference_error(F f, double x) {
+  const double slope = (f(x + kDifferenceStep) - f(x - kDifferenceStep)) / (2 * kDifferenceStep);
+  const auto d = f(Dual<double, 1>::variable(x, 0));
+  return std::abs(d.derivative[0] - slope) / (1 + std::abs(slope));
+}
 
 // One result per lane of f(a, b, c), computed in one pack or in eight scalar calls.
 template <class T, class F>
@@ -51,7 +81,6 @@ std::uint64_t math_bits() {
   BitsHash hash;
   TestNumbers numbers(20240917);
   constexpr int kBlocks = 4000;
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   const double special[] = {0,
                             -0.0,
                             1,
@@ -66,9 +95,9 @@ std::uint64_t math_bits() {
                             -TestRange::kTurns,
                             TestRange::kExpHighest,
                             TestRange::kExpLowest,
-                            infinity,
-                            -infinity,
-                            std::numeric_limits<double>::quiet_NaN(),
+                            TestRange::kInfinity,
+                            -TestRange::kInfinity,
+                            TestRange::kNan,
                             3,
                             TestRange::kHuge,
                             -TestRange::kSmall};

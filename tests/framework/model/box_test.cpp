@@ -203,26 +203,13 @@ TEST(Box, ClosesNoBodyButAChain) {
 
 /// A row of atoms that is drawn over another, round a periodic box and more.
 std::string drawn_over(const std::string& force) {
-  return R"([box]
-lengths = [6.0]
-periodic = [true]
-[[body]]
-name = "slider"
-type = "particles"
-positions = [0.2, 1.7, 2.9]
-particle_mass = 1.0
-coordinates = "prescribed"
-motion = { velocity = [1.0] }
-[[body]]
-name = "row"
-type = "particles"
-positions = [0.0, 2.0, 4.0]
-particle_mass = 1.0
+  return tables(R"([box] | lengths = [6.0] | periodic = [true]
+[[body]] | name = "slider" | type = "particles" | positions = [0.2, 1.7, 2.9]
+particle_mass = 1.0 | coordinates = "prescribed" | motion = { velocity = [1.0] }
+[[body]] | name = "row" | type = "particles" | positions = [0.0, 2.0, 4.0] | particle_mass = 1.0
 coordinates = "fixed"
-[[force]]
-name = "pull"
-bodies = ["slider", "row"]
-)" + force +
+[[force]] | name = "pull" | bodies = ["slider", "row"]
+)") + force +
          "[run]\nduration = 20.0\nintegrator = " + fixed_step(1e-2) + "\n";
 }
 
@@ -276,22 +263,12 @@ TEST(Box, PotentialsOfPluginsKeepTheirProperties) {
 }
 
 TEST(Box, BondsThatStayShortAreNotWarnedOf) {
-  const RunResult result = run_text(R"([box]
-lengths = [6.0]
-periodic = [true]
-[[body]]
-name = "pair"
-type = "particles"
-positions = [5.8, 0.4]
-velocity = [[3.0], [3.2]]
-particle_mass = 1.0
-[[force]]
-type = "harmonic_bonds"
-pairs = "all"
-stiffness = 2.0
-[run]
-duration = 20.0
-integrator = )" + fixed_step(1e-2) + "\n");
+  const RunResult result = run_text(tables(R"([box] | lengths = [6.0] | periodic = [true]
+[[body]] | name = "pair" | type = "particles" | positions = [5.8, 0.4]
+velocity = [[3.0], [3.2]] | particle_mass = 1.0
+[[force]] | type = "harmonic_bonds" | pairs = "all" | stiffness = 2.0
+[run] | duration = 20.0 | integrator = )") +
+                                    fixed_step(1e-2) + "\n");
   EXPECT_EQ(result.status, RunStatus::finished);
   EXPECT_TRUE(result.warnings.empty());
 }

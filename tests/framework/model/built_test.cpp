@@ -102,9 +102,7 @@ TEST(Built, EvaluationsPerStep) {
 
 TEST(Built, NoSamplesUnlessAsked) {
   KeptSamples kept;
-  RunOptions options;
-  options.sink = &kept;
-  run(scene_of(TipScene{.duration = 1.0}.text()), options);
+  run(scene_of(TipScene{.duration = 1.0}.text()), watched_by(kept));
   EXPECT_TRUE(kept.names.empty());
   EXPECT_TRUE(kept.rows.empty());
 }

@@ -15,23 +15,12 @@ namespace {
 
 // Prandtl and Tomlinson's tip, in stick-slip, with a driver to be filled in.
 std::string tip_with(const std::string& driver, const std::string& run) {
-  return R"(
-[parameters]
-k = 1.0
-v = 0.05
-[[body]]
-name = "tip"
-type = "point"
-position = [0.25]
-particle_mass = 1.0
-[[force]]
-type = "viscous_damping"
-coefficient = 1.0
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = 0.1
-period = 1.0
-)" + driver +
+  return tables(R"(
+[parameters] | k = 1.0 | v = 0.05
+[[body]] | name = "tip" | type = "point" | position = [0.25] | particle_mass = 1.0
+[[force]] | type = "viscous_damping" | coefficient = 1.0
+[[force]] | type = "sinusoidal_substrate" | amplitude = 0.1 | period = 1.0
+)") + driver +
          "[run]\nduration = 100.0\nledger = true\n" + run +
          "[measure]\nfrom = 2\nto = 5\nin = \"driver_periods\"\n";
 }
@@ -76,30 +65,13 @@ TEST(DeclaredDriver, InEverySchemeAndDynamics) {
   expect_same_driver("dynamics = \"overdamped\"\n" + kRk4);
 }
 
-constexpr const char* kFalling = R"(
-[[body]]
-name = "ring"
-type = "ring"
-count = 5
-radius = 1.0
-centre = [0.0, 0.0]
-particle_mass = 0.2
-coordinates = COORDINATES
-velocity = [0.3, 0.1]
-[[force]]
-name = "pull"
-type = "constant_force"
-force = [0.02, -0.01]
-driver = true
-[[force]]
-type = "harmonic_bonds"
-pairs = "all"
-stiffness = 10.0
-[run]
-duration = 4.0
-ledger = true
-integrator = INTEGRATOR
-)";
+const std::string kFalling = tables(R"(
+[[body]] | name = "ring" | type = "ring" | count = 5 | radius = 1.0 | centre = [0.0, 0.0]
+particle_mass = 0.2 | coordinates = COORDINATES | velocity = [0.3, 0.1]
+[[force]] | name = "pull" | type = "constant_force" | force = [0.02, -0.01] | driver = true
+[[force]] | type = "harmonic_bonds" | pairs = "all" | stiffness = 10.0
+[run] | duration = 4.0 | ledger = true | integrator = INTEGRATOR
+)");
 
 std::string falling(const std::string& coordinates, const std::string& integrator) {
   std::string text = kFalling;
@@ -143,36 +115,22 @@ TEST(DeclaredDriver, SchemesThatWouldFallToFirstOrderInItsWorkRefuseIt) {
 }
 
 TEST(DeclaredDriver, ASupportThatSwingsIsNotSteady) {
-  const RunResult result = run_text(R"(
-[[body]]
-type = "point"
-position = [0.0]
-particle_mass = 1.0
-[[force]]
-name = "driver"
-type = "expression"
-energy = "0.5 * (x - 0.3 * sin(0.7*t))^2"
+  const RunResult result = run_text(tables(R"(
+[[body]] | type = "point" | position = [0.0] | particle_mass = 1.0
+[[force]] | name = "driver" | type = "expression" | energy = "0.5 * (x - 0.3 * sin(0.7*t))^2"
 driver = true
-[run]
-duration = 20.0
-ledger = true
-integrator = { type = "rk4", dt = 0.01 }
-)");
+[run] | duration = 20.0 | ledger = true | integrator = { type = "rk4", dt = 0.01 }
+)"));
   EXPECT_FALSE(observable(result, "driver.distance"));
   EXPECT_NE(observable(result, "driver.work").value(), 0.0);
   EXPECT_NEAR(observable(result, "energy.numerical_work").value(), 0.0, 1e-9);
 }
 
 void expect_refused(const std::string& force, const char* dynamics = "\"inertial\"") {
-  const std::string text = R"(
-[[body]]
-type = "chain"
-count = 3
-spacing = 1.0
-particle_mass = 1.0
-[[force]]
-driver = true
-)" + force +
+  const std::string text = tables(R"(
+[[body]] | type = "chain" | count = 3 | spacing = 1.0 | particle_mass = 1.0
+[[force]] | driver = true
+)") + force +
                            "[run]\nduration = 1.0\ndynamics = " + dynamics +
                            "\nintegrator = { type = \"rk4\", dt = 0.01 }\n";
   try {
@@ -204,12 +162,8 @@ TEST(DeclaredDriver, TheSupportIsWhereTheFormulaHasIt) {
   for (const char* coordinates : {"particles", "rigid"}) {
     for (const auto& [variable, wanted] : {std::pair{"xc", 5.0}, {"x", 5.0}}) {
       const auto scene = scene_of(
-          R"([[body]]
-name = "pair"
-type = "particles"
-positions = [[0.0, 0.0], [1.0, 0.0]]
-particle_mass = [1.0, 3.0]
-coordinates = ")" +
+          tables(R"([[body]] | name = "pair" | type = "particles"
+positions = [[0.0, 0.0], [1.0, 0.0]] | particle_mass = [1.0, 3.0] | coordinates = ")") +
           std::string(coordinates) +
           "\"\n[[force]]\nname = \"pull\"\ntype = \"expression\"\ndriver = true\nenergy = \"(" +
           variable + " - 5 - 0.1*t)^2\"\n[run]\nduration = 1.0\nintegrator = " + fixed_step(1e-2) +
@@ -229,17 +183,10 @@ TEST(DeclaredDriver, WhatDrivesNothingIsRefused) {
 // A spring along x that leaves y free, against a formula of the same.
 TEST(DrivingSpring, LeavesFreeWhereItHasNoStiffness) {
   const auto scene = [](const std::string& stiffness) {
-    return R"(
-[[body]]
-type = "point"
-position = [0.0, 0.0]
-velocity = [0.0, 0.2]
-particle_mass = 1.0
-[[force]]
-name = "driver"
-type = "driving_spring"
-velocity = [0.1, 0.0]
-)" + stiffness +
+    return tables(R"(
+[[body]] | type = "point" | position = [0.0, 0.0] | velocity = [0.0, 0.2] | particle_mass = 1.0
+[[force]] | name = "driver" | type = "driving_spring" | velocity = [0.1, 0.0]
+)") + stiffness +
            "[run]\nduration = 5.0\nledger = true\nintegrator = { type = \"rk4\", dt = 0.01 }\n";
   };
   for (const char* stiffness : {"stiffness = [2.0, 0.0]\n", "stiffness = 2.0\naxes = [\"x\"]\n",

@@ -290,41 +290,21 @@ const char* const kFormula = "expression";
 const char* const kConstant = "constant_force";
 
 /// A formula of the centre beside forces on the particles of a rigid body in the plane.
-const std::string kCentreOfRigid = R"([[body]]
-type = "particles"
-positions = [[0.1, 0.2], [1.3, 0.1], [0.9, 1.2], [0.3, 0.8]]
-particle_mass = 1.0
+const std::string kCentreOfRigid = tables(R"([[body]] | type = "particles"
+positions = [[0.1, 0.2], [1.3, 0.1], [0.9, 1.2], [0.3, 0.8]] | particle_mass = 1.0
 coordinates = "rigid"
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = 0.2
-period = 1.0
-decay = 0.5
-[[force]]
-type = "expression"
-energy = "1.0*xc^2"
-[run]
-duration = 1.0
-integrator = { type = "rk4", dt = 1e-3 }
-)";
+[[force]] | type = "sinusoidal_substrate" | amplitude = 0.2 | period = 1.0 | decay = 0.5
+[[force]] | type = "expression" | energy = "1.0*xc^2"
+[run] | duration = 1.0 | integrator = { type = "rk4", dt = 1e-3 }
+)");
 
 /// Two forces on each particle; the first sets.
-const std::string kFree = R"([[body]]
-type = "chain"
-count = 3
-spacing = 0.8
+const std::string kFree = tables(R"([[body]] | type = "chain" | count = 3 | spacing = 0.8
 particle_mass = 0.7
-[[force]]
-type = "constant_force"
-force = [0.5]
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = 0.2
-period = 1.0
-[run]
-duration = 1.0
-integrator = { type = "rk4", dt = 1e-3 }
-)";
+[[force]] | type = "constant_force" | force = [0.5]
+[[force]] | type = "sinusoidal_substrate" | amplitude = 0.2 | period = 1.0
+[run] | duration = 1.0 | integrator = { type = "rk4", dt = 1e-3 }
+)");
 
 TEST(PlantedFaults, AKernelThatLeavesANumberIsFoundBySums) {
   const std::string expected = std::string(kAllForces) + ": sum";

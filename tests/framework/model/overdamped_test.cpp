@@ -91,9 +91,7 @@ double velocity_at(double force, double x) {
 /// How far sampled velocities are off force over friction at the sampled positions.
 double worst_velocity(double force, const std::string& integrator) {
   KeptSamples kept;
-  RunOptions options;
-  options.sink = &kept;
-  run(scene_of(tilted(force, 3.0, integrator, "[output]\nevery = 0.0931\n")), options);
+  run(scene_of(tilted(force, 3.0, integrator, "[output]\nevery = 0.0931\n")), watched_by(kept));
   EXPECT_GT(kept.rows.size(), 30u);
   double worst = 0.0;
   for (const auto& row : kept.rows) {

@@ -248,10 +248,8 @@ TEST(OwnState, SamplesDoNotTouchIt) {
   const auto watched = parse_scene(scene_text(fixed_step(0.01)) + "[output]\nevery = 0.0137\n",
                                    "test.toml", with_maxwell());
   KeptSamples kept;
-  RunOptions options;
-  options.sink = &kept;
   Engine a(plain, {});
-  Engine b(watched, options);
+  Engine b(watched, watched_by(kept));
   a.run();
   b.run();
   EXPECT_TRUE(Motion(a) == Motion(b));

@@ -139,68 +139,28 @@ TEST(Properties, HoldForADriverOfManyParticles) {
 /// If the origin moved along an axis, coordinates held along it would stay behind.
 TEST(Properties, HoldBesideABodyThatIsHeld) {
   for (const char* held : {"x", "y"}) {
-    expect_valid(std::string(R"(
-[[body]]
-name = "free"
-type = "point"
-position = [0.3, 0.2]
-particle_mass = 1.0
-[[body]]
-name = "guided"
-type = "chain"
-count = 3
-spacing = 1.0
-axis = "x"
-origin = [1.0, 0.4]
-particle_mass = 0.5
-hold = [")") + held +
-                 R"("]
-[[force]]
-name = "to_free"
-type = "harmonic_bonds"
-bodies = ["free", "guided"]
-pairs = [[0, 0], [0, 2]]
-stiffness = 3.0
-rest_lengths = 0.8
-[[force]]
-name = "within"
-type = "harmonic_bonds"
-body = "guided"
-pairs = "neighbours"
-stiffness = 3.0
-rest_lengths = 0.9
-[run]
-duration = 1.0
-integrator = { type = "rk4", dt = 1e-3 }
-)");
+    expect_valid(std::string(tables(R"(
+[[body]] | name = "free" | type = "point" | position = [0.3, 0.2] | particle_mass = 1.0
+[[body]] | name = "guided" | type = "chain" | count = 3 | spacing = 1.0 | axis = "x"
+origin = [1.0, 0.4] | particle_mass = 0.5 | hold = [")")) +
+                 held + tables(R"("]
+[[force]] | name = "to_free" | type = "harmonic_bonds" | bodies = ["free", "guided"]
+pairs = [[0, 0], [0, 2]] | stiffness = 3.0 | rest_lengths = 0.8
+[[force]] | name = "within" | type = "harmonic_bonds" | body = "guided" | pairs = "neighbours"
+stiffness = 3.0 | rest_lengths = 0.9
+[run] | duration = 1.0 | integrator = { type = "rk4", dt = 1e-3 }
+)"));
   }
 }
 
 TEST(Properties, HoldOnTheSecondOfTwoTips) {
-  expect_valid(R"(
-[[body]]
-name = "first"
-type = "point"
-position = [0.4]
-particle_mass = 10.0
-[[body]]
-name = "second"
-type = "point"
-position = [0.5]
-particle_mass = 0.1
-[[force]]
-type = "viscous_damping"
-body = "second"
-coefficient = 0.5
-[[force]]
-type = "sinusoidal_substrate"
-body = "second"
-amplitude = 0.1
-period = 1.0
-[run]
-duration = 10.0
-integrator = { type = "rk4", dt = 0.01 }
-)");
+  expect_valid(tables(R"(
+[[body]] | name = "first" | type = "point" | position = [0.4] | particle_mass = 10.0
+[[body]] | name = "second" | type = "point" | position = [0.5] | particle_mass = 0.1
+[[force]] | type = "viscous_damping" | body = "second" | coefficient = 0.5
+[[force]] | type = "sinusoidal_substrate" | body = "second" | amplitude = 0.1 | period = 1.0
+[run] | duration = 10.0 | integrator = { type = "rk4", dt = 0.01 }
+)"));
 }
 
 TEST(Properties, HoldFarFromTheOriginAndForStiffBonds) {

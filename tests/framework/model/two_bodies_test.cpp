@@ -62,31 +62,14 @@ TEST(TwoBodies, OnePartnerMayBeFixed) {
 // ---- a rigid ring and a flexible chain of points in the plane
 
 std::string ring_and_tip(const std::string& integrator) {
-  return R"([[body]]
-name = "ring"
-type = "ring"
-count = 5
-radius = 0.8
-particle_mass = [0.1, 0.7, 0.3, 0.2, 0.4]
-centre = [0.1, 0.3]
-velocity = [[0.3, 0.0], [0.1, 0.2], [0.0, -0.4], [0.2, 0.1], [0.5, 0.3]]
-coordinates = "rigid"
-[[body]]
-name = "tip"
-type = "point"
-position = [2.2, 1.0]
-velocity = [-0.2, 0.4]
+  return tables(R"([[body]] | name = "ring" | type = "ring" | count = 5 | radius = 0.8
+particle_mass = [0.1, 0.7, 0.3, 0.2, 0.4] | centre = [0.1, 0.3]
+velocity = [[0.3, 0.0], [0.1, 0.2], [0.0, -0.4], [0.2, 0.1], [0.5, 0.3]] | coordinates = "rigid"
+[[body]] | name = "tip" | type = "point" | position = [2.2, 1.0] | velocity = [-0.2, 0.4]
 particle_mass = 0.6
-[[force]]
-type = "harmonic_bonds"
-bodies = ["ring", "tip"]
-pairs = [[0, 0], [2, 0]]
-stiffness = 3.0
-rest_lengths = [1.0, 2.0]
-[run]
-duration = 7.0
-ledger = true
-integrator = )" +
+[[force]] | type = "harmonic_bonds" | bodies = ["ring", "tip"] | pairs = [[0, 0], [2, 0]]
+stiffness = 3.0 | rest_lengths = [1.0, 2.0]
+[run] | duration = 7.0 | ledger = true | integrator = )") +
          integrator + "\n";
 }
 
@@ -139,20 +122,12 @@ TEST(TwoBodies, ARigidRingAndATipKeepWhatTheyHave) {
 
 // ---- a molecule in space
 
-const char* const kMolecule = R"([[body]]
-type = "particles"
+const std::string kMolecule = tables(R"([[body]] | type = "particles"
 positions = [[0.0, 0.0, 0.0], [1.1, 0.1, 0.0], [0.2, 1.0, 0.3], [0.3, 0.2, 1.2]]
 velocity = [[0.1, 0.0, 0.2], [0.0, 0.3, -0.1], [-0.2, 0.1, 0.1], [0.1, -0.1, 0.0]]
 particle_mass = [1.0, 2.0, 0.5, 1.5]
-[[force]]
-type = "harmonic_bonds"
-pairs = "all"
-stiffness = 5.0
-rest_lengths = 1.2
-[run]
-duration = 6.0
-ledger = true
-integrator = )";
+[[force]] | type = "harmonic_bonds" | pairs = "all" | stiffness = 5.0 | rest_lengths = 1.2
+[run] | duration = 6.0 | ledger = true | integrator = )");
 
 struct Spatial {
   std::array<double, 3> momentum{};

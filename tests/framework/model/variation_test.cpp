@@ -116,24 +116,12 @@ INSTANTIATE_TEST_SUITE_P(InEveryNumberType, Varied,
                                                  "{ type = \"dopri5\", absolute_tolerance = 1e-13, "
                                                  "relative_tolerance = 1e-13 }"}));
 
-constexpr const char* kRigid = R"(
-[[body]]
-type = "ring"
-count = 9
-radius = 0.7
-centre = [0.1, 0.8]
-particle_mass = 0.1
+const std::string kRigid = tables(R"(
+[[body]] | type = "ring" | count = 9 | radius = 0.7 | centre = [0.1, 0.8] | particle_mass = 0.1
 coordinates = "rigid"
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = AMPLITUDE
-period = 1.0
-decay = 0.3
-[run]
-duration = 2.0
-ledger = true
-integrator = { type = "rk4", dt = 0.01 }
-)";
+[[force]] | type = "sinusoidal_substrate" | amplitude = AMPLITUDE | period = 1.0 | decay = 0.3
+[run] | duration = 2.0 | ledger = true | integrator = { type = "rk4", dt = 0.01 }
+)");
 
 std::string with(std::string text, const std::string& what, const std::string& by) {
   for (auto at = text.find(what); at != std::string::npos; at = text.find(what)) {
@@ -167,18 +155,11 @@ TEST(Varied, CountIsThatOfTheBody) {
 
 /// Also where values cannot differ between particles, and in lists; of one body, not of several.
 TEST(Varied, CountIsKnownInEveryNumberOfAForce) {
-  const std::string forces = R"([[force]]
-type = "driving_spring"
-body = "ring"
-stiffness = "2 / count"
-velocity = ["count * 0.1", 0.0]
-[[force]]
-type = "lattice_substrate"
-lattice = "line"
-bodies = ["ring"]
-period = "1 + 0 * count"
-amplitudes = ["0.9 / count"]
-)";
+  const std::string forces = tables(R"([[force]] | type = "driving_spring" | body = "ring"
+stiffness = "2 / count" | velocity = ["count * 0.1", 0.0]
+[[force]] | type = "lattice_substrate" | lattice = "line" | bodies = ["ring"]
+period = "1 + 0 * count" | amplitudes = ["0.9 / count"]
+)");
   const std::string text = with(kRigid, "AMPLITUDE", "0.1") + forces;
   const auto shared = scene_of(text);
   const auto typed =
@@ -206,17 +187,11 @@ amplitudes = ["0.9 / count"]
 }
 
 TEST(Varied, DisplacementsMoveParticlesFromTheirShape) {
-  const auto scene = scene_of(R"(
-[[body]]
-type = "chain"
-count = 3
-spacing = 1.0
-particle_mass = 1.0
+  const auto scene = scene_of(tables(R"(
+[[body]] | type = "chain" | count = 3 | spacing = 1.0 | particle_mass = 1.0
 displacement = ["0.1 * (i - 1) ^ 2"]
-[run]
-duration = 1.0
-integrator = { type = "rk4", dt = 0.5 }
-)");
+[run] | duration = 1.0 | integrator = { type = "rk4", dt = 0.5 }
+)"));
   const RunResult result = run(scene);
   // (0.1 + 1 + 2.1)/3
   EXPECT_NEAR(observable(result, "chain.centre_of_mass.x").value(), 3.2 / 3.0, 1e-15);
@@ -235,16 +210,10 @@ TEST(Varied, TheStableStepIsThatOfTheStiffestParticle) {
 /// The narrowest of several widths of dry friction, whatever the others are.
 TEST(Varied, TheStableStepIsThatOfTheNarrowestFriction) {
   const auto status = [](const std::string& width) {
-    return run_text(R"([[body]]
-type = "particles"
-positions = [0.0, 5.0]
-velocity = [0.01]
-particle_mass = 1.0
-[[force]]
-type = "coulomb_friction"
-force = 1.0
-width = )" + width +
-                    "\n[run]\nduration = 1.0\nintegrator = " + fixed_step(2e-2) + "\n")
+    return run_text(tables(R"([[body]] | type = "particles" | positions = [0.0, 5.0]
+velocity = [0.01] | particle_mass = 1.0
+[[force]] | type = "coulomb_friction" | force = 1.0 | width = )") +
+                    width + "\n[run]\nduration = 1.0\nintegrator = " + fixed_step(2e-2) + "\n")
         .status;
   };
   EXPECT_EQ(status("[1e-4, 1.0]"), RunStatus::failed);

@@ -137,10 +137,8 @@ TEST(ActiveForce, SwitchingIsNoWork) {
 /// A driver has no force before it acts; then its support moves from where the particle is.
 TEST(ActiveForce, SamplesShowIt) {
   KeptSamples kept;
-  RunOptions options;
-  options.sink = &kept;
   run(scene_of(pulled(fixed_step(0.01), active(kFrom, kUntil), "[output]\nevery = 0.1\n")),
-      options);
+      watched_by(kept));
   const std::size_t force = kept.column("driver.force.x");
   const std::size_t end = kept.column("driver.position.x");
   const std::size_t x = kept.column("tip.centre_of_mass.x");
@@ -180,9 +178,7 @@ TEST(ActiveForce, AThermostatForTheFirstHalf) {
         std::pair(noise, std::string("{ type = \"baoab\", dt = 0.05 }"))}) {
     for (const std::string& when : {times, std::string()}) {
       KeptSamples kept;
-      RunOptions options;
-      options.sink = &kept;
-      const RunResult result = run(scene_of(chain_of(bath + when, scheme)), options);
+      const RunResult result = run(scene_of(chain_of(bath + when, scheme)), watched_by(kept));
       ASSERT_EQ(result.status, RunStatus::finished);
       const double heat = result.group("energy")["heat_out"].value();
       if (when.empty()) {

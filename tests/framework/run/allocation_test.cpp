@@ -120,9 +120,7 @@ TEST(Allocations, ThereAreNoneBetweenTheFirstStepAndTheLast) {
         kept_warm(noise, "{ type = \"euler_maruyama\", dt = 0.01 }",
                   "\ndynamics = \"overdamped\"")}) {
     NullSink sink;
-    RunOptions options;
-    options.sink = &sink;
-    Engine engine(scene_of(text), options);
+    Engine engine(scene_of(text), watched_by(sink));
     engine.advance(1);
     const std::uint64_t before = allocations;
     while (!engine.done()) engine.advance(100);

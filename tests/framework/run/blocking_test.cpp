@@ -141,35 +141,14 @@ TEST(Blocking, AConstantHasNoError) {
 
 /// A particle in the trap of its driver: the mean force is that of friction.
 std::string trapped(std::uint64_t stream, double duration) {
-  return R"([[body]]
-name = "tip"
-type = "point"
-position = [0.0]
+  return tables(R"([[body]] | name = "tip" | type = "point" | position = [0.0]
 particle_mass = 1.0
-[[force]]
-name = "driver"
-type = "driving_spring"
-stiffness = 1.0
-velocity = [0.2]
-[[force]]
-name = "bath"
-type = "langevin"
-coefficient = 1.0
-temperature = 0.5
-[run]
-seed = 1
-stream = )" +
+[[force]] | name = "driver" | type = "driving_spring" | stiffness = 1.0 | velocity = [0.2]
+[[force]] | name = "bath" | type = "langevin" | coefficient = 1.0 | temperature = 0.5
+[run] | seed = 1 | stream = )") +
          std::to_string(stream) + "\nduration = " + digits(duration) +
          "\nintegrator = { type = \"baoab\", dt = 0.1 }\n[measure]\nin = \"time\"\nfrom = 20.0\n" +
          "to = " + digits(duration) + "\n";
-}
-
-std::optional<double> error_of(const RunResult& result, const std::string& path) {
-  for (const ErrorEstimate& estimate : result.errors) {
-    if (estimate.path == path) return estimate.error;
-  }
-  ADD_FAILURE() << "no error of " << path;
-  return {};
 }
 
 TEST(Blocking, ErrorsOfMeansOverARun) {
@@ -182,7 +161,7 @@ TEST(Blocking, ErrorsOfMeansOverARun) {
     const RunResult result = run_text(trapped(stream, 1000.0));
     const double off = result.driver(0)["mean_force"][0] - exact;
     squares += off * off;
-    found.add(off, error_of(result, "drivers.driver.mean_force.x"));
+    found.add(off, stated_error(result, "drivers.driver.mean_force.x"));
   }
   const double scatter = std::sqrt(squares / kSeries);
   // The scatter of 400 has a standard deviation of 1 in 28; four of them, and the bias of blocks.
@@ -196,7 +175,7 @@ TEST(Blocking, ErrorsOfMeansOverARun) {
 /// Too few correlation times: no error, and a warning.
 TEST(Blocking, AShortRunStatesNoError) {
   const RunResult result = run_text(trapped(0, 60.0));
-  EXPECT_FALSE(error_of(result, "drivers.driver.mean_force.x"));
+  EXPECT_FALSE(stated_error(result, "drivers.driver.mean_force.x"));
   EXPECT_EQ(count_of(FaultCode::run_error_not_estimated, result.warnings), 1U);
   const auto warning = std::find_if(
       result.warnings.begin(), result.warnings.end(),

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "framework/run/results/observables.hpp"
+#include "tests/support/resumed.hpp"
 #include "tests/support/ring_scenes.hpp"
 
 // Components of mean forces along and across the pull, how much forces vary, what is dissipated in
@@ -94,13 +95,9 @@ TEST(ForceDeviation, OfASineIsItsAmplitudeByRootTwo) {
       EXPECT_NEAR(result.driver(0)["mean_force"][0], -offset, 1e-8 * std::max(1.0, offset));
     }
   }
-}
-
-TEST(ForceDeviation, InQuadruplePrecision) {
-  const double closed = 2.0 * kPi * 0.1 / std::sqrt(2.0);
-  const auto scene =
+  const auto in_quadruple =
       scene_of(moved(fixed_step(0.05), 0.0, kDeviation), {{"run.number_type", "\"quadruple\""}});
-  EXPECT_NEAR(run(scene).driver(0)["force_deviation"][0], closed, 1e-9);
+  EXPECT_NEAR(run(in_quadruple).driver(0)["force_deviation"][0], closed, 1e-9);
 }
 
 TEST(ForceDeviation, OfASlipsForce) {
@@ -110,12 +107,10 @@ TEST(ForceDeviation, OfASlipsForce) {
       "[output]\nevery = 0.001\n[measure]\nin = \"time\"\nfrom = 10.0\nto = 30.0\n"
       "observables = [\"driver.force_deviation.x\"]\n";
   KeptSamples kept;
-  RunOptions options;
-  options.sink = &kept;
   for (const std::string& integrator : {fixed_step(0.01), adaptive(1e-9)}) {
     kept = KeptSamples();
     tip.integrator = integrator;
-    const RunResult result = run(scene_of(tip.text()), options);
+    const RunResult result = run(scene_of(tip.text()), watched_by(kept));
     const std::size_t force = kept.column("driver.force.x");
     double sum = 0.0, squares = 0.0, weights = 0.0;
     for (std::size_t k = 10'000; k <= 30'000; ++k) {
@@ -139,13 +134,8 @@ TEST(ForceDeviation, ResumesFromACheckpoint) {
   for (const std::string& integrator : {fixed_step(0.05), adaptive(1e-8)}) {
     const auto scene = scene_of(moved(integrator, 3.0, kDeviation));
     const RunResult whole = run_as_bound(scene);
-    Engine first(scene, {});
-    first.advance(whole.steps / 2);
-    const std::vector<std::byte> kept = first.state().to_bytes();
-    RunOptions options;
-    options.resume_from = &kept;
-    EXPECT_TRUE(same_bits(run_as_bound(scene, options).driver(0)["force_deviation"],
-                          whole.driver(0)["force_deviation"]));
+    ASSERT_TRUE(whole.driver(0)["force_deviation"]);
+    expect_same_driver_from(scene, whole, whole.steps / 2, whole.steps);
   }
 }
 

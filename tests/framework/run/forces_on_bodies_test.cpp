@@ -56,9 +56,7 @@ TEST(ForcesOnBodies, OfADriverAreItsOwnAtEachMoment) {
     const TipScene tip{.integrator = scheme,
                        .more = "[output]\nevery = 0.3\n" + measure(paths, 2.0, 18.0)};
     KeptSamples kept;
-    RunOptions options;
-    options.sink = &kept;
-    const RunResult result = run(scene_of(tip.text()), options);
+    const RunResult result = run(scene_of(tip.text()), watched_by(kept));
     const auto value = [&](const std::string& key) { return *observable(result, key); };
     EXPECT_NEAR(value("driver.on.tip.final_force.x"), value("drivers.driver.final_force.x"),
                 kRounding)

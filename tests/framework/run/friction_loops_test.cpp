@@ -7,6 +7,7 @@
 
 #include "framework/run/results/observables.hpp"
 #include "tests/support/order.hpp"
+#include "tests/support/resumed.hpp"
 #include "tests/support/ring_scenes.hpp"
 
 // trace, retrace, half_difference, loop_area and loops of drivers that reverse.
@@ -84,20 +85,15 @@ TEST(FrictionLoop, OfADampedParticle) {
   }
 }
 
-TEST(FrictionLoop, InQuadruplePrecision) {
-  auto settings = kReversing;
-  settings.push_back({"run.number_type", "\"quadruple\""});
+TEST(FrictionLoop, InQuadruplePrecisionAndWithoutInertia) {
   const std::string more = window(1.3 * kStroke, 5.2 * kStroke);
-  expect_dragged(run(scene_of(dragged(fixed_step(0.1), more).text(), settings)),
-                 trace_of_dragged(1.0), 1e-7, "quadruple");
-}
-
-TEST(FrictionLoop, WithoutInertia) {
-  auto settings = kReversing;
-  settings.push_back({"run.dynamics", "\"overdamped\""});
-  const std::string more = window(1.3 * kStroke, 5.2 * kStroke);
-  expect_dragged(run(scene_of(dragged(fixed_step(0.05), more).text(), settings)),
-                 trace_of_dragged(0.0), 1e-8, "overdamped");
+  const auto run_with = [&](double dt, const Setting& setting) {
+    return run(scene_of(dragged(fixed_step(dt), more).text(), {kReversing.front(), setting}));
+  };
+  expect_dragged(run_with(0.1, {"run.number_type", "\"quadruple\""}), trace_of_dragged(1.0), 1e-7,
+                 "quadruple");
+  expect_dragged(run_with(0.05, {"run.dynamics", "\"overdamped\""}), trace_of_dragged(0.0), 1e-8,
+                 "overdamped");
 }
 
 TEST(FrictionLoop, HasTheOrderOfTheScheme) {
@@ -203,18 +199,7 @@ TEST(FrictionLoop, ResumesFromAnyStep) {
     const auto scene = scene_of(dragged(integrator, window(4.321, 27.0), 30.0).text(), settings);
     const RunResult expected = run_as_bound(scene);
     ASSERT_GT(*expected.driver(0)["loops"], 2.0);
-    for (std::uint64_t steps = 1; steps < expected.steps; steps += 7) {
-      Engine engine(scene, {});
-      engine.advance(steps);
-      const std::vector<std::byte> bytes = engine.state().to_bytes();
-      RunOptions options;
-      options.resume_from = &bytes;
-      const RunResult resumed = run_as_bound(scene, options);
-      for (const char* key : {"trace", "retrace", "half_difference", "loop_area", "loops"}) {
-        ASSERT_TRUE(same_bits(resumed.driver(0)[key], expected.driver(0)[key]))
-            << integrator << steps << key;
-      }
-    }
+    expect_same_driver_from(scene, expected, 1, 7);
   }
 }
 
@@ -222,39 +207,15 @@ TEST(FrictionLoop, ResumesFromAnyStep) {
 std::string noisy_loops(int stream, double loops) {
   constexpr double kNoisyVelocity = 0.02;
   constexpr double kLoop = 2.0 * 6.0 / kNoisyVelocity;
-  return R"([[body]]
-name = "tip"
-type = "point"
-position = [0.5]
+  return tables(R"([[body]] | name = "tip" | type = "point" | position = [0.5]
 particle_mass = 1.0
-[[force]]
-name = "driver"
-type = "driving_spring"
-stiffness = 0.8
-velocity = [)" +
-         digits(kNoisyVelocity) + "]\nreverse = " + between(0.5, 6.5) + R"(
-[[force]]
-name = "bath"
-type = "langevin"
-coefficient = 1.0
-temperature = 0.02
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = 0.1
-period = 1.0
-[run]
-dynamics = "overdamped"
-integrator = { type = "euler_maruyama", dt = 0.04 }
-stream = )" +
+[[force]] | name = "driver" | type = "driving_spring" | stiffness = 0.8 | velocity = [)") +
+         digits(kNoisyVelocity) + "]\nreverse = " + between(0.5, 6.5) + tables(R"(
+[[force]] | name = "bath" | type = "langevin" | coefficient = 1.0 | temperature = 0.02
+[[force]] | type = "sinusoidal_substrate" | amplitude = 0.1 | period = 1.0
+[run] | dynamics = "overdamped" | integrator = { type = "euler_maruyama", dt = 0.04 }
+stream = )") +
          std::to_string(stream) + "\nduration = " + digits((loops + 0.75) * kLoop) + "\n";
-}
-
-std::optional<double> error_of(const RunResult& result, const std::string& key) {
-  for (const ErrorEstimate& one : result.errors) {
-    if (one.path == "drivers.driver." + key) return one.error;
-  }
-  ADD_FAILURE() << key;
-  return {};
 }
 
 /// Standard errors from strokes and loops agree with the scatter of means over streams.
@@ -276,7 +237,7 @@ TEST(FrictionLoop, HasStandardErrorsInNoise) {
       const double x = value(result, key);
       mean += x / kStreams;
       squares += x * x / kStreams;
-      stated += std::pow(error_of(result, key).value(), 2) / kStreams;
+      stated += std::pow(stated_error(result, "drivers.driver." + key).value(), 2) / kStreams;
     }
     const double scatter = (squares - mean * mean) * kStreams / (kStreams - 1.0);
     const double ratio = std::sqrt(stated / scatter);
@@ -288,7 +249,7 @@ TEST(FrictionLoop, HasStandardErrorsInNoise) {
 TEST(FrictionLoop, OfFewLoopsHasNoStandardError) {
   const RunResult few = run_text(noisy_loops(0, 5.0));
   ASSERT_TRUE(few.driver(0)["half_difference"]);
-  EXPECT_FALSE(error_of(few, "half_difference"));
+  EXPECT_FALSE(stated_error(few, "drivers.driver.half_difference"));
   EXPECT_EQ(count_of(FaultCode::run_error_not_estimated, few.warnings), 1U);
 }
 
@@ -299,7 +260,7 @@ TEST(FrictionLoop, EndsAtTheErrorThatIsAskedFor) {
       {{"run.until", "{ error = " + digits(kError) + ", of = \"driver.half_difference\" }"}});
   ASSERT_TRUE(result.until_error);
   EXPECT_TRUE(result.until_error->reached);
-  EXPECT_LE(error_of(result, "half_difference").value(), kError);
+  EXPECT_LE(stated_error(result, "drivers.driver.half_difference").value(), kError);
   EXPECT_LT(value(result, "loops"), 150.0);
   EXPECT_GE(value(result, "loops"), 8.0);
 }
@@ -338,9 +299,7 @@ double farthest(const std::string& times) {
   std::string reverse = between(0.5, 3.5, "tip.centre_of_mass.x");
   reverse.replace(reverse.find(" }"), 2, times + " }");
   KeptSamples kept;
-  RunOptions options;
-  options.sink = &kept;
-  run(scene_of(scene.text(), {{"force.driver.reverse", reverse}}), options);
+  run(scene_of(scene.text(), {{"force.driver.reverse", reverse}}), watched_by(kept));
   const std::size_t column = kept.column("driver.position.x");
   double most = 0.0;
   for (const auto& row : kept.rows) most = std::max(most, std::abs(row[column] - 2.0) - 1.5);
@@ -358,24 +317,17 @@ TEST(FrictionLoop, TheLimitBehindTheDriverCountsSecond) {
   for (const double way : {1.0, -1.0}) {
     const double above = way > 0.0 ? 2.0 : 0.1;
     const double below = way > 0.0 ? -0.1 : -2.0;
-    const RunResult result = run_text(R"([[body]]
-name = "tip"
-type = "point"
-position = [0.0]
-velocity = [)" + digits(-0.5 * way) + R"(]
+    const RunResult result =
+        run_text(tables(R"([[body]] | name = "tip" | type = "point"
+position = [0.0] | velocity = [)") +
+                 digits(-0.5 * way) + tables(R"(]
 particle_mass = 1.0
-[[force]]
-name = "driver"
-type = "driving_spring"
-stiffness = 2.0
-velocity = [)" + digits(0.05 * way) + "]\nreverse = " +
-                                      between(below, above, "bodies.tip.centre_of_mass.x") + R"(
-[[force]]
-type = "viscous_damping"
-coefficient = 1.0
-[run]
-duration = 400.0
-integrator = )" + fixed_step(0.02) + "\n");
+[[force]] | name = "driver" | type = "driving_spring" | stiffness = 2.0 | velocity = [)") +
+                 digits(0.05 * way) +
+                 "]\nreverse = " + between(below, above, "bodies.tip.centre_of_mass.x") + tables(R"(
+[[force]] | type = "viscous_damping" | coefficient = 1.0
+[run] | duration = 400.0 | integrator = )") +
+                 fixed_step(0.02) + "\n");
     // Nine strokes of 2.15 at 0.05, and two turns of the tip when it begins.
     EXPECT_EQ(observable(result, "events.reversals").value(), 11.0);
   }

@@ -340,16 +340,31 @@ void expect_same(const LaneCase& one, const Ended& a, const Ended& b, const std:
   }
 }
 
+/// Runs so many replicas in lanes and each alone, which are the same. Returns the results of those
+/// alone.
+std::vector<RunResult> expect_as_alone(const LaneCase& one, const RunOptions& options,
+                                       int replicas) {
+  const std::vector<Ended> ended =
+      in_lanes(one, replicas, static_cast<std::size_t>(replicas), options);
+  std::vector<RunResult> results;
+  for (int k = 0; k < replicas; ++k) {
+    Ended expected = alone(one, k, options);
+    const RunResult& here = ended[static_cast<std::size_t>(k)].result;
+    expect_same(one, expected, ended[static_cast<std::size_t>(k)], "replica " + std::to_string(k));
+    EXPECT_EQ(expected.result.refused_steps, here.refused_steps);
+    EXPECT_EQ(expected.result.failure.has_value(), here.failure.has_value());
+    if (expected.result.failure && here.failure) {
+      EXPECT_EQ(to_string(*expected.result.failure), to_string(*here.failure));
+    }
+    results.push_back(std::move(expected.result));
+  }
+  return results;
+}
+
 TEST(LaneBatch, RunsHaveTheBitsOfSingleRuns) {
   for (const LaneCase& one : lane_cases()) {
-    const RunOptions options = asked_for(one);
-    constexpr int kReplicas = 9;
-    const std::vector<Ended> ended = in_lanes(one, kReplicas, kReplicas, options);
-    for (int k = 0; k < kReplicas; ++k) {
-      const Ended expected = alone(one, k, options);
-      ASSERT_EQ(expected.result.status, RunStatus::finished) << one.name;
-      expect_same(one, expected, ended[static_cast<std::size_t>(k)],
-                  "replica " + std::to_string(k));
+    for (const RunResult& result : expect_as_alone(one, asked_for(one), 9)) {
+      EXPECT_EQ(result.status, RunStatus::finished) << one.name;
     }
   }
 }
@@ -372,12 +387,7 @@ TEST(LaneBatch, ShortRunsKeepALedgerInLanes) {
     };
     RunOptions options = asked_for(one);
     options.watches_energy = true;
-    constexpr int kReplicas = 9;
-    const std::vector<Ended> ended = in_lanes(one, kReplicas, kReplicas, options);
-    for (int k = 0; k < kReplicas; ++k) {
-      expect_same(one, alone(one, k, options), ended[static_cast<std::size_t>(k)],
-                  "watched replica " + std::to_string(k));
-    }
+    expect_as_alone(one, options, 9);
   }
 }
 
@@ -390,13 +400,7 @@ TEST(LaneBatch, TheLedgerOfASceneIsKeptInLanes) {
       return with_ledger.insert(with_ledger.find("[run]\n") + 6, "ledger = true\n");
     };
     one.observables.insert(one.observables.end(), {"energy.heat_out", "energy.numerical_work"});
-    const RunOptions options = asked_for(one);
-    constexpr int kReplicas = 5;
-    const std::vector<Ended> ended = in_lanes(one, kReplicas, kReplicas, options);
-    for (int k = 0; k < kReplicas; ++k) {
-      expect_same(one, alone(one, k, options), ended[static_cast<std::size_t>(k)],
-                  "replica " + std::to_string(k));
-    }
+    expect_as_alone(one, asked_for(one), 5);
   }
 }
 
@@ -433,24 +437,6 @@ TEST(LaneBatch, OnEveryInstructionSet) {
   }
 }
 
-void expect_failures_as_alone(const LaneCase& one) {
-  const RunOptions options = asked_for(one);
-  constexpr int kReplicas = 8;
-  const std::vector<Ended> ended = in_lanes(one, kReplicas, kReplicas, options);
-  int failed = 0;
-  for (int k = 0; k < kReplicas; ++k) {
-    const Ended& here = ended[static_cast<std::size_t>(k)];
-    const Ended expected = alone(one, k, options);
-    expect_same(one, expected, here, "replica " + std::to_string(k));
-    ASSERT_EQ(expected.result.failure.has_value(), here.result.failure.has_value());
-    if (!expected.result.failure) continue;
-    ++failed;
-    EXPECT_EQ(to_string(*expected.result.failure), to_string(*here.result.failure));
-  }
-  EXPECT_GE(failed, 2);
-  EXPECT_LT(failed, kReplicas);
-}
-
 /// A driver that runs away at a step of its own, in the middle of a block, and at the first of one.
 TEST(LaneBatch, ARunThatFailsStaysAsItWasAndDisturbsNoOther) {
   const auto text = [](int k) {
@@ -462,7 +448,12 @@ TEST(LaneBatch, ARunThatFailsStaysAsItWasAndDisturbsNoOther) {
   for (const LaneCase& one :
        {LaneCase{"failing", text}, LaneCase{"failing_watched", text, kWatched},
         LaneCase{"failing_loaded", [&](int k) { return with_load(text(k), k); }, kWatched}}) {
-    expect_failures_as_alone(one);
+    int failed = 0;
+    for (const RunResult& result : expect_as_alone(one, asked_for(one), 8)) {
+      failed += result.failure ? 1 : 0;
+    }
+    EXPECT_GE(failed, 2);
+    EXPECT_LT(failed, 8);
   }
 }
 
@@ -496,13 +487,7 @@ TEST(LaneBatch, TheEnergyBalanceIsSampledAsInSingleRuns) {
   for (const LaneCase& one : cases) {
     RunOptions options = asked_for(one);
     options.watches_energy = true;
-    constexpr int kReplicas = 5;
-    const std::vector<Ended> ended = in_lanes(one, kReplicas, kReplicas, options);
-    for (int k = 0; k < kReplicas; ++k) {
-      const Ended expected = alone(one, k, options);
-      expect_same(one, expected, ended[static_cast<std::size_t>(k)],
-                  "replica " + std::to_string(k));
-    }
+    expect_as_alone(one, options, 5);
   }
 }
 
@@ -519,41 +504,14 @@ TEST(LaneBatch, AnAdaptiveRunThatFailsDisturbsNoOther) {
                               more + " }";
                           return tip.text();
                         }};
-  const RunOptions options = asked_for(one);
-  constexpr int kReplicas = 6;
-  const std::vector<Ended> ended = in_lanes(one, kReplicas, kReplicas, options);
-  for (int k = 0; k < kReplicas; ++k) {
-    const Ended& here = ended[static_cast<std::size_t>(k)];
-    const Ended expected = alone(one, k, options);
-    expect_same(one, expected, here, "replica " + std::to_string(k));
-    EXPECT_EQ(expected.result.failure.has_value(), k == 1 || k == 4);
-    ASSERT_EQ(expected.result.failure.has_value(), here.result.failure.has_value());
-    if (expected.result.failure) {
-      EXPECT_EQ(to_string(*expected.result.failure), to_string(*here.result.failure));
-    }
-    EXPECT_EQ(expected.result.refused_steps, here.result.refused_steps);
+  const std::vector<RunResult> results = expect_as_alone(one, asked_for(one), 6);
+  for (std::size_t k = 0; k < results.size(); ++k) {
+    EXPECT_EQ(results[k].failure.has_value(), k == 1 || k == 4);
   }
 }
 
-/// A run that was resumed goes into lanes, and one from lanes is resumed alone.
-TEST(LaneBatch, StatesAreThoseOfSingleRuns) {
-  const LaneCase& one = lane_case("flexible_ring");
-  const RunOptions options = asked_for(one);
-  Engine half(scene_of(one.text(0)), options);
-  half.advance(500);
-  Engine resumed(scene_of(one.text(0)), options);
-  resumed.resume(half.state().to_bytes());
-  Engine other(scene_of(one.text(1)), options);
-  LaneBatch batch(resumed, 2);
-  batch.add(resumed);
-  batch.add(other);
-  while (!batch.is_empty()) batch.advance();
-  resumed.end();
-  EXPECT_EQ(resumed.state().to_bytes(), alone(one, 0, options).state);
-}
-
-/// Two runs in lanes: the first, of which 500 steps were taken alone, and its neighbour. The state
-/// of the first at its end. `spoil` may change the integers of a field before.
+/// Two runs in lanes: the first, of which 500 steps were taken alone, and its neighbour. Returns
+/// the state of the first at its end. `spoil` may change the integers of a field before.
 std::vector<std::byte> resumed_in_lanes(const LaneCase& one, const std::string& field = "",
                                         std::int64_t by = 0) {
   const RunOptions options = asked_for(one);
@@ -571,10 +529,11 @@ std::vector<std::byte> resumed_in_lanes(const LaneCase& one, const std::string& 
   return resumed.state().to_bytes();
 }
 
-/// Noise goes on with the numbers of the step, of a run's own stream.
+/// A resumed run goes into lanes and has the state of one alone; noise goes on with the numbers of
+/// the step, of a run's own stream.
 TEST(LaneBatch, NoiseDependsOnTheStepAndTheStreamAlone) {
-  for (const char* name : {"thermal_tip", "thermal_tip_by_verlet", "thermal_tip_in_the_plane",
-                           "thermal_rigid_ring", "thermal_slow_tip"}) {
+  for (const char* name : {"flexible_ring", "thermal_tip", "thermal_tip_by_verlet",
+                           "thermal_tip_in_the_plane", "thermal_rigid_ring", "thermal_slow_tip"}) {
     const LaneCase& one = lane_case(name);
     EXPECT_EQ(resumed_in_lanes(one), alone(one, 0, asked_for(one)).state) << name;
   }
@@ -602,14 +561,9 @@ TEST(LaneBatch, RepeatsHaveTheMeanAndTheErrorOfRunsOneByOne) {
   const RunResult together = run(scene_of(text), mean);
   const RunResult apart = run(scene_of(text), {});
   EXPECT_EQ(observable(together, "driver.mean_force.x"), observable(apart, "driver.mean_force.x"));
-  const auto error = [](const RunResult& result) {
-    for (const ErrorEstimate& one : result.errors) {
-      if (one.path == "drivers.driver.mean_force.x") return one.error;
-    }
-    return std::optional<double>();
-  };
-  EXPECT_GT(error(apart).value_or(0.0), 0.0);
-  EXPECT_EQ(error(together), error(apart));
+  const std::string path = "drivers.driver.mean_force.x";
+  EXPECT_GT(stated_error(apart, path).value_or(0.0), 0.0);
+  EXPECT_EQ(stated_error(together, path), stated_error(apart, path));
 }
 
 /// The watched tips that are compared do slip.

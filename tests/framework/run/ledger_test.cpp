@@ -135,20 +135,11 @@ TEST(Ledger, OfASteadySlideIsKnown) {
 
 /// Without dampers and drivers the ledger is the drift of the energy.
 TEST(Ledger, OfAClosedSystemIsItsDrift) {
-  const std::string scene = R"([[body]]
-type = "chain"
-count = 3
-spacing = 1.1
+  const std::string scene = tables(R"([[body]] | type = "chain" | count = 3 | spacing = 1.1
 particle_mass = 1.0
-[[force]]
-type = "harmonic_bonds"
-pairs = "neighbours"
-stiffness = 4.0
+[[force]] | type = "harmonic_bonds" | pairs = "neighbours" | stiffness = 4.0
 rest_lengths = 1.0
-[run]
-duration = 20.0
-ledger = true
-integrator = )";
+[run] | duration = 20.0 | ledger = true | integrator = )");
   for (const std::string& integrator : {fixed_step(0.1), verlet(0.1), adaptive(1e-5)}) {
     const ResultGroup e = run_text(scene + integrator + "\n").group("energy");
     EXPECT_EQ(*e["work_in"], 0.0);

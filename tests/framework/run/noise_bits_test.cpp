@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "framework/run/results/observables.hpp"
+#include "tests/support/resumed.hpp"
 #include "tests/support/scenes.hpp"
 
 // Noise has the same bits on every run and instruction set, and after every resumption: no
@@ -30,62 +31,27 @@ std::string noisy_run(const std::string& scheme, const std::string& more = "") {
 }
 
 std::string noisy_tip(const std::string& driver = "") {
-  return R"([[body]]
-name = "tip"
-type = "point"
-position = [0.1]
-particle_mass = 1.0
-start_temperature = 0.2
-[[force]]
-name = "driver"
-type = "driving_spring"
-stiffness = 2.0
-velocity = [0.5]
-)" + driver +
-         R"([[force]]
-name = "bath"
-type = "langevin"
-coefficient = 1.0
+  return tables(R"([[body]] | name = "tip" | type = "point" | position = [0.1]
+particle_mass = 1.0 | start_temperature = 0.2
+[[force]] | name = "driver" | type = "driving_spring" | stiffness = 2.0 | velocity = [0.5]
+)") + driver +
+         tables(R"([[force]] | name = "bath" | type = "langevin" | coefficient = 1.0
 temperature = 0.2
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = 0.2
-period = 1.0
-)";
+[[force]] | type = "sinusoidal_substrate" | amplitude = 0.2 | period = 1.0
+)");
 }
 
 std::string noisy_ring(const std::string& coordinates, const std::string& coefficient) {
-  return R"([[body]]
-name = "ring"
-type = "ring"
-count = 11
-radius = 1.0
-centre = [0.0, 1.0]
-particle_mass = 0.1
-start_temperature = 0.002
-coordinates = ")" +
-         coordinates + R"("
-[[force]]
-type = "harmonic_bonds"
-pairs = "all"
-stiffness = 0.05
-[[force]]
-name = "driver"
-type = "driving_spring"
-stiffness = 2.0
-velocity = [0.9, 0.0]
-[[force]]
-name = "bath"
-type = "langevin"
-coefficient = )" +
-         coefficient + R"(
+  return tables(R"([[body]] | name = "ring" | type = "ring" | count = 11 | radius = 1.0
+centre = [0.0, 1.0] | particle_mass = 0.1 | start_temperature = 0.002 | coordinates = ")") +
+         coordinates + tables(R"("
+[[force]] | type = "harmonic_bonds" | pairs = "all" | stiffness = 0.05
+[[force]] | name = "driver" | type = "driving_spring" | stiffness = 2.0 | velocity = [0.9, 0.0]
+[[force]] | name = "bath" | type = "langevin" | coefficient = )") +
+         coefficient + tables(R"(
 temperature = 0.002
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = 0.01
-period = 1.0
-decay = 1.0
-)";
+[[force]] | type = "sinusoidal_substrate" | amplitude = 0.01 | period = 1.0 | decay = 1.0
+)");
 }
 
 std::vector<NoisyScene> noisy_scenes() {
@@ -109,23 +75,6 @@ std::vector<NoisyScene> noisy_scenes() {
     }
   }
   return all;
-}
-
-void expect_same_numbers(const RunResult& a, const RunResult& b) {
-  EXPECT_EQ(a.status, b.status);
-  ASSERT_EQ(a.groups.size(), b.groups.size());
-  for (std::size_t g = 0; g < a.groups.size(); ++g) {
-    ASSERT_EQ(a.groups[g].values.size(), b.groups[g].values.size());
-    for (std::size_t k = 0; k < a.groups[g].values.size(); ++k) {
-      EXPECT_TRUE(same_bits(a.groups[g].values[k], b.groups[g].values[k]))
-          << a.groups[g].values[k].quantity().key;
-    }
-  }
-  ASSERT_EQ(a.errors.size(), b.errors.size());
-  for (std::size_t k = 0; k < a.errors.size(); ++k) {
-    EXPECT_EQ(a.errors[k].path, b.errors[k].path);
-    EXPECT_EQ(a.errors[k].error, b.errors[k].error) << a.errors[k].path;
-  }
 }
 
 /// Stopped and resumed twenty times, each time by an engine that has seen nothing before.
@@ -256,9 +205,7 @@ TEST(NoiseBits, DoNotDependOnSamples) {
     Engine plain(scene_of(text), {});
     plain.run();
     KeptSamples samples;
-    RunOptions options;
-    options.sink = &samples;
-    Engine sampled(scene_of(text + "[output]\nevery = 0.15\n"), options);
+    Engine sampled(scene_of(text + "[output]\nevery = 0.15\n"), watched_by(samples));
     sampled.run();
     EXPECT_GT(samples.rows.size(), 80U);
     EXPECT_TRUE(Motion(plain) == Motion(sampled)) << scheme;
@@ -270,13 +217,11 @@ TEST(NoiseBits, DriversReverseAtTheEndsOfSteps) {
   constexpr double kDt = 0.05;
   for (const std::string scheme : {"baoab", "gjf", "velocity_verlet", "leimkuhler_matthews"}) {
     KeptSamples samples;
-    RunOptions options;
-    options.sink = &samples;
     const RunResult result =
         run_text(noisy_tip("reverse = { when = \"bodies.tip.centre_of_mass.x\", above = 0.6, "
                            "below = -0.2 }\n") +
                      noisy_run(scheme) + "[output]\nevery = 0.05\n",
-                 {{"run.duration", "60.0"}}, options);
+                 {{"run.duration", "60.0"}}, watched_by(samples));
     ASSERT_EQ(result.status, RunStatus::finished);
     const std::vector<Event> events = samples.of(EventKind::driver_reversal);
     EXPECT_GT(events.size(), 4U) << scheme;

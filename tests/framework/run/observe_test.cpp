@@ -32,9 +32,7 @@ Reference reference_of(TipScene tip, double from, double to) {
   tip.integrator = fixed_step(kSampling);
   tip.more = "[output]\nevery = " + digits(kSampling) + "\n";
   KeptSamples kept;
-  RunOptions options;
-  options.sink = &kept;
-  run(scene_of(tip.text()), options);
+  run(scene_of(tip.text()), watched_by(kept));
   const std::vector<double> time = column(kept, "time");
   const std::vector<double> force = column(kept, "driver.force.x");
   const std::vector<double> velocity = column(kept, "tip.velocity.x");

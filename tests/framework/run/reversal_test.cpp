@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/order.hpp"
+#include "tests/support/oscillator.hpp"
 #include "tests/support/resumed.hpp"
 #include "tests/support/ring_scenes.hpp"
 
@@ -26,18 +27,10 @@ struct Pulled {
 
   /// After a time: m x'' + c x' + k x = k (end + velocity t).
   Pulled after(double t) const {
-    const double lag = velocity * kDamping / kStiffness;
-    const double g = 0.5 * kDamping;
-    const double w = std::sqrt(kStiffness - g * g);
-    const double a = x - end + lag;
-    const double b = (v - velocity + g * a) / w;
-    const double decay = std::exp(-g * t);
-    Pulled later = *this;
-    later.end = end + velocity * t;
-    later.x = later.end - lag + decay * (a * std::cos(w * t) + b * std::sin(w * t));
-    later.v =
-        velocity + decay * ((b * w - g * a) * std::cos(w * t) - (a * w + g * b) * std::sin(w * t));
-    return later;
+    const Oscillator about_the_end{
+        .m = 1.0, .k = kStiffness, .c = kDamping, .pull = velocity, .x0 = x - end, .v0 = v};
+    const State later = about_the_end.at(t);
+    return {end + later.x, later.v, end + velocity * t, velocity};
   }
 
   /// When x first passes a value, upwards.
@@ -87,9 +80,7 @@ struct Turned {
 
 Turned run_turned(const TipScene& scene, const std::vector<Setting>& settings = kTurned) {
   Turned turned;
-  RunOptions options;
-  options.sink = &turned.kept;
-  turned.result = run(scene_of(scene.text(), settings), options);
+  turned.result = run(scene_of(scene.text(), settings), watched_by(turned.kept));
   const auto events = turned.kept.of(EventKind::driver_reversal);
   if (!events.empty()) turned.time = events.front().time;
   turned.x = turned.result.family("bodies").front()["centre_of_mass"].front();
@@ -124,20 +115,15 @@ TEST(DriverReversal, IsFoundToTheOrderOfTheScheme) {
   expect_orders(&verlet, {1.7, 2.5});
 }
 
-TEST(DriverReversal, IsFoundByAdaptiveStepsToo) {
-  constexpr double kOfTolerance = 1e-8;  // at 1e-11 a step, a few dozen steps, dense output
-  const Turned turned = run_turned(tip(adaptive(1e-11)));
-  EXPECT_NEAR(turned.time, event_time(), kOfTolerance);
-  EXPECT_NEAR(turned.x, end_of(event_time()).x, kOfTolerance);
-}
-
-TEST(DriverReversal, InQuadruplePrecision) {
+TEST(DriverReversal, IsFoundByAdaptiveStepsAndInQuadruplePrecision) {
+  constexpr double kTolerance = 1e-8;  // at 1e-11 a step, a few dozen steps, dense output; of rk4
   auto settings = kTurned;
   settings.push_back({"run.number_type", "\"quadruple\""});
-  const Turned turned = run_turned(tip(fixed_step(0.01)), settings);
-  constexpr double kToTheScheme = 1e-8;
-  EXPECT_NEAR(turned.x, end_of(event_time()).x, kToTheScheme);
-  EXPECT_NEAR(turned.time, event_time(), kToTheScheme);
+  for (const Turned& turned :
+       {run_turned(tip(adaptive(1e-11))), run_turned(tip(fixed_step(0.01)), settings)}) {
+    EXPECT_NEAR(turned.time, event_time(), kTolerance);
+    EXPECT_NEAR(turned.x, end_of(event_time()).x, kTolerance);
+  }
 }
 
 TEST(DriverReversal, WithoutInertiaToo) {
@@ -190,10 +176,8 @@ TEST(DriverReversal, SamplesDoNotAlterIt) {
   for (const std::string& integrator : {fixed_step(0.01), verlet(0.01), adaptive(1e-8)}) {
     const Motion alone = motion_at_end(tip(integrator).text(), kTurned);
     KeptSamples kept;
-    RunOptions options;
-    options.sink = &kept;
     const std::string more = "[output]\nevery = 0.0077\n[measure]\nin = \"time\"\nfrom = 3.3\n";
-    EXPECT_TRUE(motion_at_end(tip(integrator, more).text(), kTurned, options) == alone);
+    EXPECT_TRUE(motion_at_end(tip(integrator, more).text(), kTurned, watched_by(kept)) == alone);
     EXPECT_GT(kept.rows.size(), 1000u);
   }
 }
@@ -249,9 +233,7 @@ TEST(DriverReversal, ARingMayTurnItsDriverByItsRotation) {
   const std::vector<Setting> settings = {
       {"force.driver.reverse", passing("\"ring.rotation\", below = -0.5")}};
   KeptSamples kept;
-  RunOptions options;
-  options.sink = &kept;
-  const RunResult result = run(scene_of(ring.text(), settings), options);
+  const RunResult result = run(scene_of(ring.text(), settings), watched_by(kept));
   const auto events = kept.of(EventKind::driver_reversal);
   ASSERT_EQ(events.size(), 1u);
   const std::size_t rotation = kept.column("ring.rotation");
@@ -319,9 +301,7 @@ TEST(Checkpoint, CountsNoEvaluationTwice) {
   const auto scene = scene_of(tip(fixed_step(0.01), "[output]\nevery = 0.0077\n").text(),
                               {{"run.checkpoint_every", "1e-9"}});
   Keeper whole;
-  RunOptions options;
-  options.sink = &whole;
-  const RunResult expected = run(scene, options);
+  const RunResult expected = run(scene, watched_by(whole));
   ASSERT_GT(whole.states.size(), 50u);
   for (const auto& bytes : whole.states) {
     Keeper rest;

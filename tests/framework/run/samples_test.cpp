@@ -20,9 +20,7 @@ std::string scheme(const char* name) {
 
 KeptSamples sampled(const TipScene& tip, std::uint64_t steps_at_once) {
   KeptSamples kept;
-  RunOptions options;
-  options.sink = &kept;
-  Engine engine(scene_of(tip.text()), options);
+  Engine engine(scene_of(tip.text()), watched_by(kept));
   while (!engine.done()) engine.advance(steps_at_once);
   return kept;
 }

@@ -86,9 +86,7 @@ TEST(Selection, LeavesOutFamilyAndAxis) {
 TEST(Selection, FindsNoEventsThatNobodyAsksFor) {
   const auto events_of = [](const std::vector<std::string>& paths) {
     KeptSamples kept;
-    RunOptions options;
-    options.sink = &kept;
-    run(scene_of(tip_measuring(paths, fixed_step(0.01)).text()), options);
+    run(scene_of(tip_measuring(paths, fixed_step(0.01)).text()), watched_by(kept));
     return kept.events.size();
   };
   const std::size_t all = events_of({});

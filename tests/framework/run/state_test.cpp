@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "framework/core/system/state_layout.hpp"
+#include "tests/support/resumed.hpp"
 #include "tests/support/ring_scenes.hpp"
 
 // Everything that changes during a run is in one declared layout: it can be written as bytes, and a
@@ -109,43 +110,14 @@ std::vector<Case> combinations() {
 
 std::vector<Case> cases() {
   const std::string window = "[measure]\nin = \"time\"\nfrom = 1.5\nto = 9.0\n";
-  TipScene tip{.duration = 10.0, .more = window};
-  TipScene fast = tip;
-  fast.velocity = 4.0;  // many cells
-  TipScene tip_adaptive = tip;
-  tip_adaptive.integrator = adaptive(1e-8);
-  RingScene flexible{.duration = 10.0, .more = window};
-  RingScene rigid = flexible;
-  rigid.coordinates = "rigid";
-  RingScene rigid_adaptive = rigid;
-  rigid_adaptive.integrator = adaptive(1e-8);
-  std::vector<Case> all = {{"tip, rk4", tip.text()},
-                           {"fast tip, rk4", fast.text()},
-                           {"tip, dopri5", tip_adaptive.text()},
-                           {"flexible ring, rk4", flexible.text()},
-                           {"rigid ring, rk4", rigid.text()},
-                           {"rigid ring, dopri5", rigid_adaptive.text()}};
+  const TipScene tip{.duration = 10.0, .more = window};
+  const TipScene fast{.velocity = 4.0, .duration = 10.0, .more = window};  // many cells
+  const RingScene flexible{.duration = 10.0, .more = window};
+  std::vector<Case> all = {{"tip, without a ledger", tip.text()},
+                           {"fast tip", fast.text()},
+                           {"flexible ring of stiff bonds", flexible.text()}};
   for (Case& one : combinations()) all.push_back(std::move(one));
   return all;
-}
-
-void expect_same_result(const RunResult& a, const RunResult& b) {
-  EXPECT_EQ(a.status, b.status);
-  EXPECT_EQ(a.steps, b.steps);
-  EXPECT_EQ(a.refused_steps, b.refused_steps);
-  ASSERT_EQ(a.groups.size(), b.groups.size());
-  for (std::size_t g = 0; g < a.groups.size(); ++g) {
-    const ResultGroup& group = a.groups[g];
-    SCOPED_TRACE(group.family + " " + group.name);
-    if (group.family == "drivers") {
-      EXPECT_FALSE(group["mean_force"].empty());
-    }
-    ASSERT_EQ(group.values.size(), b.groups[g].values.size());
-    for (std::size_t k = 0; k < group.values.size(); ++k) {
-      EXPECT_TRUE(same_bits(group.values[k], b.groups[g].values[k]))
-          << group.values[k].quantity().key;
-    }
-  }
 }
 
 /// Wherever a run is stopped, another engine goes on from its bytes and ends with the same bits:
@@ -157,6 +129,7 @@ TEST(Resume, EndsWithTheSameBits) {
     Engine whole(scene, {});
     const RunResult expected = whole.run();
     ASSERT_EQ(expected.status, RunStatus::finished);
+    ASSERT_FALSE(expected.driver(0)["mean_force"].empty());
     for (const std::uint64_t stop : {1u, 16u, 37u, 160u, 411u}) {
       if (stop >= expected.steps) continue;
       SCOPED_TRACE(stop);
@@ -169,7 +142,7 @@ TEST(Resume, EndsWithTheSameBits) {
       const RunResult resumed = second.run();
       EXPECT_TRUE(Motion(second) == Motion(whole));
       EXPECT_EQ(second.state().to_bytes(), whole.state().to_bytes());
-      expect_same_result(resumed, expected);
+      expect_same_numbers(resumed, expected);
       EXPECT_EQ(resumed.force_evaluations, expected.force_evaluations);
     }
   }
@@ -190,17 +163,6 @@ TEST(Resume, IntoAnEngineThatHasRunFurther) {
 
 // ---- the same bits
 
-TEST(SameBits, OnASecondRun) {
-  for (const Case& c : cases()) {
-    SCOPED_TRACE(c.what);
-    Engine a(scene_of(c.text), {});
-    Engine b(scene_of(c.text), {});
-    const RunResult first = a.run();
-    expect_same_result(first, b.run());
-    EXPECT_EQ(a.state().to_bytes(), b.state().to_bytes());
-  }
-}
-
 TEST(SameBits, OnEveryInstructionSet) {
   for (const Case& c : cases()) {
     SCOPED_TRACE(c.what);
@@ -213,7 +175,7 @@ TEST(SameBits, OnEveryInstructionSet) {
       RunOptions options;
       options.instruction_set = set;
       Engine wide(scene_of(c.text), options);
-      expect_same_result(expected, wide.run());
+      expect_same_numbers(expected, wide.run());
       EXPECT_EQ(plain.state().to_bytes(), wide.state().to_bytes());
     }
   }

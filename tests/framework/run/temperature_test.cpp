@@ -47,53 +47,22 @@ std::string bath_of(double temperature, const std::string& coefficient) {
          "\ntemperature = " + digits(temperature) + "\n";
 }
 
-const std::string kBondedChain = R"([[body]]
-name = "chain"
-type = "chain"
-count = 7
-origin = [0.0]
-spacing = 1.0
-particle_mass = [1.0, 0.4, 2.0, 1.0, 0.7, 1.0, 1.5]
-[[force]]
-type = "harmonic_bonds"
-pairs = "neighbours"
-stiffness = 20.0
-[[force]]
-name = "driver"
-type = "driving_spring"
-stiffness = 1.0
-velocity = [0.0]
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = 0.4
-period = 1.3
-)";
+const std::string kBondedChain = tables(R"([[body]] | name = "chain" | type = "chain"
+count = 7 | origin = [0.0] | spacing = 1.0 | particle_mass = [1.0, 0.4, 2.0, 1.0, 0.7, 1.0, 1.5]
+[[force]] | type = "harmonic_bonds" | pairs = "neighbours" | stiffness = 20.0
+[[force]] | name = "driver" | type = "driving_spring" | stiffness = 1.0 | velocity = [0.0]
+[[force]] | type = "sinusoidal_substrate" | amplitude = 0.4 | period = 1.3
+)");
 
 std::string bath_ring(const std::string& coordinates) {
-  return R"([[body]]
-name = "ring"
-type = "ring"
-count = 8
-radius = 1.0
-centre = [0.0, 1.2]
-particle_mass = [0.1, 0.7, 0.3, 0.2, 0.4, 0.5, 0.2, 0.3]
-coordinates = ")" +
-         coordinates + R"("
-[[force]]
-type = "harmonic_bonds"
-pairs = "all"
-stiffness = 2.0
-[[force]]
-name = "driver"
-type = "driving_spring"
-stiffness = 2.0
-velocity = [0.0, 0.0]
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = 0.05
-period = 1.0
-decay = 1.0
-)";
+  return tables(R"([[body]] | name = "ring" | type = "ring" | count = 8 | radius = 1.0
+centre = [0.0, 1.2] | particle_mass = [0.1, 0.7, 0.3, 0.2, 0.4, 0.5, 0.2, 0.3]
+coordinates = ")") +
+         coordinates + tables(R"("
+[[force]] | type = "harmonic_bonds" | pairs = "all" | stiffness = 2.0
+[[force]] | name = "driver" | type = "driving_spring" | stiffness = 2.0 | velocity = [0.0, 0.0]
+[[force]] | type = "sinusoidal_substrate" | amplitude = 0.05 | period = 1.0 | decay = 1.0
+)");
 }
 
 std::string bath_run(const std::string& scheme, double dt, double duration, std::uint64_t stream,
@@ -215,17 +184,10 @@ TEST(StartTemperature, HasNumbersOfItsOwn) {
 // ---- heat
 
 std::string pulled_tip(const std::string& substrate) {
-  return R"([[body]]
-name = "tip"
-type = "point"
-position = [0.0]
+  return tables(R"([[body]] | name = "tip" | type = "point" | position = [0.0]
 particle_mass = 1.0
-[[force]]
-name = "driver"
-type = "driving_spring"
-stiffness = 2.0
-velocity = [0.5]
-)" + bath_of(0.2, "1.0") +
+[[force]] | name = "driver" | type = "driving_spring" | stiffness = 2.0 | velocity = [0.5]
+)") + bath_of(0.2, "1.0") +
          substrate;
 }
 

@@ -16,18 +16,11 @@ namespace {
 
 std::string tip(const std::string& forces, const std::string& integrator,
                 const std::string& dynamics = "inertial") {
-  return R"([[body]]
-name = "tip"
-type = "point"
-position = [0.4]
+  return tables(R"([[body]] | name = "tip" | type = "point" | position = [0.4]
 particle_mass = 1.0
-)" + forces +
-         R"([[force]]
-type = "viscous_damping"
-coefficient = 0.3
-[run]
-duration = 5.0
-dynamics = ")" +
+)") + forces +
+         tables(R"([[force]] | type = "viscous_damping" | coefficient = 0.3
+[run] | duration = 5.0 | dynamics = ")") +
          dynamics + "\"\nintegrator = " + integrator + "\n";
 }
 
@@ -113,13 +106,11 @@ TEST(TimeScale, PathsOfEquilibriaDoNotStepOverPulses) {
   for (const char* width : {"0.003", "0.01", "0.2", "0.3"}) {
     SCOPED_TRACE(width);
     const std::string pulse = std::string("0.5*2*x^2 - exp(-((t - 3.0) / ") + width + ")^2)*x";
-    RunOptions options;
     KeptSamples samples;
-    options.sink = &samples;
     const RunResult result =
         run_text(tip(formula(pulse), "{ type = \"continuation\" }", "quasistatic") +
                      "[output]\nevery = 0.001\n",
-                 {}, options);
+                 {}, watched_by(samples));
     if (result.status != RunStatus::finished) continue;
     ++finished;
     double most = 0.0;

@@ -37,9 +37,7 @@ class Rows : public RunSink {
 
 Rows rows_of(const std::string& text) {
   Rows rows;
-  RunOptions options;
-  options.sink = &rows;
-  run(scene_of(text), options);
+  run(scene_of(text), watched_by(rows));
   return rows;
 }
 

@@ -23,38 +23,17 @@ constexpr double kStep = 0.1;
 /// mean force over a time t is sqrt(2 c T/t) = 1/sqrt(t).
 std::string dragged(const std::string& until, std::uint64_t stream = 0,
                     const std::string& run = "") {
-  return R"([[body]]
-name = "tip"
-type = "point"
-position = [0.0]
+  return tables(R"([[body]] | name = "tip" | type = "point" | position = [0.0]
 particle_mass = 1.0
-[[force]]
-name = "driver"
-type = "driving_spring"
-stiffness = 1.0
-velocity = [0.2]
-[[force]]
-name = "bath"
-type = "langevin"
-coefficient = 1.0
-temperature = 0.5
-[run]
-duration = 2e5
-until = )" +
+[[force]] | name = "driver" | type = "driving_spring" | stiffness = 1.0 | velocity = [0.2]
+[[force]] | name = "bath" | type = "langevin" | coefficient = 1.0 | temperature = 0.5
+[run] | duration = 2e5 | until = )") +
          until + "\nseed = 1\nstream = " + std::to_string(stream) +
          "\nintegrator = { type = \"baoab\", dt = 0.1 }\n" + run + "[measure]\nfrom = 20.0\n";
 }
 
 std::string within(double error, const std::string& of = "driver.mean_force.x") {
   return "{ error = " + digits(error) + ", of = \"" + of + "\" }";
-}
-
-double error_in(const RunResult& result, const std::string& path) {
-  for (const ErrorEstimate& one : result.errors) {
-    if (one.path == path) return one.error.value();
-  }
-  ADD_FAILURE() << path;
-  return 0.0;
 }
 
 /// c v by h gamma/2 coth(h gamma/2), as baoab drags.
@@ -71,7 +50,7 @@ TEST(UntilError, ARunEndsWhenItsMeanIsKnownWellEnough) {
     ASSERT_TRUE(result.until_error);
     EXPECT_TRUE(result.until_error->reached);
     EXPECT_EQ(result.until_error->path, "driver.mean_force.x");
-    const double error = error_in(result, "drivers.driver.mean_force.x");
+    const double error = stated_error(result, "drivers.driver.mean_force.x").value();
     EXPECT_EQ(result.until_error->error, error);
     EXPECT_LE(error, kAsked);
     EXPECT_GE(error, kLeast * kAsked);
