@@ -3,9 +3,8 @@
 #include <string>
 #include <utility>
 
-#include "tests/support/text.hpp"
-
 #include "tests/support/tables.hpp"
+#include "tests/support/text.hpp"
 
 /// A small scene of molecular dynamics with most of what such scenes have: a thermostatted nanotube
 /// that is pulled over a fixed sheet in a periodic box. A picosecond takes some 30 ms.
