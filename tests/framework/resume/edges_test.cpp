@@ -5,7 +5,6 @@
 #include <thread>
 #include <vector>
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "tests/framework/resume/resume_fixture.hpp"
@@ -193,7 +192,8 @@ TEST_F(Edges, WhatFollowsARunIsContinued) {
        {Stopped{"accurate", "companion", SIGTERM}, Stopped{"accurate", "companion", SIGKILL},
         Stopped{"perturbed", "perturbed start 2", SIGTERM},
         Stopped{"perturbed", "perturbed start 2", SIGTERM, true}}) {
-    SCOPED_TRACE(fmt::format("{}, signal {}, damages {}", one.scene, one.signal, one.damages));
+    SCOPED_TRACE(one.scene + std::string(one.damages ? ", damaged" : ""));
+    SCOPED_TRACE(one.signal);
     const std::string scene = one.scene + ".toml";
     const bool estimates = one.scene == "accurate";
     if (!exists(one.scene)) expect_status(0, run(scene, one.scene, {"--quiet"}));
