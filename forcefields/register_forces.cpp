@@ -3,7 +3,7 @@
 #include "forcefields/constant_force.hpp"
 #include "forcefields/coulomb_friction.hpp"
 #include "forcefields/driving_spring.hpp"
-#include "forcefields/formula_record.hpp"
+#include "forcefields/expression.hpp"
 #include "forcefields/harmonic_bonds.hpp"
 #include "forcefields/langevin.hpp"
 #include "forcefields/lattice_substrate.hpp"

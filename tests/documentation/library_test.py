@@ -21,7 +21,7 @@ import sys
 import tempfile
 
 FENCE = re.compile(r"^```(\S+) (\S+)\n(.*?)^```$", flags=re.MULTILINE | re.DOTALL)
-SECONDS_PER_PAGE = 500
+SECONDS_PER_PAGE = 1500
 
 
 class Page:

@@ -28,7 +28,7 @@ MUST_HAVE_BLOCKS = ("README.md",) + tuple(
         "accuracy", "atoms", "bodies", "commands", "figures", "forces", "formulas", "integrators",
         "recipes", "results", "scenes", "sweeps", "temperature", "units"))
 
-SECONDS_PER_BLOCK = 300  # a snippet that takes longer has no place in an `sh` block
+SECONDS_PER_BLOCK = 900  # a snippet that takes longer has no place in an `sh` block
 
 FENCE = re.compile(r"^```(.*)$")
 DEV = re.compile(r"^\s*\./dev\b\s*(\S*)")

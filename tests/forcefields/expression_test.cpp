@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "forcefields/formula_record.hpp"
+#include "forcefields/expression.hpp"
 #include "framework/core/text/fault.hpp"
 #include "framework/run/engine.hpp"
 #include "tests/support/faults.hpp"

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "forcefields/formula_record.hpp"
+#include "forcefields/expression.hpp"
 #include "framework/core/records/force.hpp"
 
 /// Formulas of every kind, as records of their own: what a formula is evaluated on and what it

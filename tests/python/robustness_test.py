@@ -187,7 +187,7 @@ def test_threads_that_nobody_waits_for(call):
             "for _ in range(3): threading.Thread(target=endless, daemon=True).start()\n"
             "time.sleep(0.3)\n"
             "print('over')\n")
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=600)
     assert (done.returncode, done.stdout, done.stderr) == (0, "over\n", "")
 
 
@@ -198,7 +198,7 @@ def signalled(body):
             "tip = tip.set({'v': 1e-7, 'output.every': 'a/v'})\n"
             "def send(which):\n"
             "    threading.Timer(0.3, lambda: os.kill(os.getpid(), which)).start()\n") + body
-    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=600)
 
 
 def test_signals_have_the_handlers_of_the_program():

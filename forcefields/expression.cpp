@@ -1,4 +1,4 @@
-#include "forcefields/formula_record.hpp"
+#include "forcefields/expression.hpp"
 
 #include <cmath>
 #include <stdexcept>
