@@ -117,17 +117,17 @@ void write_effective_scene(SceneDraft& draft) {
     Table of_bodies;
     if (bodies_of_scene != nullptr) of_bodies.set("body", *bodies_of_scene);
     const bool by_bodies = 2 * to_toml(of_bodies).size() > text.size();
-    wrong.emplace(FaultCode::scene_too_large, by_bodies ? "body" : "force",
-                  fmt::format("with all {} written out the scene takes {} MB",
-                              by_bodies ? "positions" : "numbers of its forces", text.size() >> 20),
-                  fmt::format("at most {} MB", kLargestSceneFile >> 20));
+    wrong = {FaultCode::scene_too_large, by_bodies ? "body" : "force",
+             fmt::format("with all {} written out the scene takes {} MB",
+                         by_bodies ? "positions" : "numbers of its forces", text.size() >> 20),
+             fmt::format("at most {} MB", kLargestSceneFile >> 20)};
   } else {
     try {
       check_outline(text, draft.scene->file);
     } catch (const InputError& error) {
       const Fault& fault = error.faults().front();
-      wrong.emplace(fault.code, "body", "with all positions written out: " + fault.why,
-                    fault.admissible);
+      wrong = {fault.code, "body", "with all positions written out: " + fault.why,
+               fault.admissible};
     }
   }
   if (!wrong) return;
