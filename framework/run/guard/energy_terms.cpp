@@ -54,12 +54,13 @@ double stored_energy(RunContext& run) {
 double heat_so_far(RunContext& run) {
   Model& model = run.model;
   const SystemView<double>& view = model.system().view;
+  const std::ptrdiff_t axes = model.dimension();
   double work = 0.0;
   for (const Model::Driver& driver : model.drivers()) {
-    work += view.integrals[driver.first_rate + model.dimension()];
+    work += view.integrals[driver.first_rate + axes];
     // The kinetic energy below is that of what is free.
     if (is_accelerated(model, driver)) {
-      work -= view.integrals[driver.first_rate + 2 * model.dimension() + 1];
+      work -= view.integrals[driver.first_rate + 2 * axes + 1];
     }
   }
   for (const Model::Force& force : model.forces()) {
