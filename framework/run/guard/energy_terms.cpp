@@ -1,5 +1,7 @@
 #include "framework/run/guard/energy_terms.hpp"
 
+#include <cstddef>
+
 #include "framework/run/context.hpp"
 #include "framework/run/guard/prescribed_inertia.hpp"
 #include "framework/run/window/window.hpp"
