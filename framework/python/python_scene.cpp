@@ -58,7 +58,7 @@ std::string tradeoff(const SceneHandle& handle, const std::string& observable, d
   ProgressCall show(progress);
   TradeoffRequest request{observable, tolerance, budget, &guard.stop()};
   if (show) request.on_progress = [&](const std::string& what) { show(guard.stop(), what); };
-  const std::string json = without_lock([&] {
+  std::string json = without_lock([&] {
     return tradeoff_json(*handle.scene, measure_tradeoff(handle.scene, *handle.registry, request));
   });
   show.rethrow();
