@@ -794,7 +794,7 @@ std::vector<Variant> asked_for_one() {
   const std::vector<Variant> blocks_of_16 = {{"tomlin", {}}};
   const std::vector<Variant> single_steps = {{"tomlin", {}, 1}};
   register_variants("pt", kPt, blocks_of_64);
-  // Nothing slips, so that the static force is looked for in every step.
+  // The tip slides without slips: the largest force is searched for in every step.
   register_variants("pt", kPt,
                     {{"smooth", {{"force.sinusoidal_substrate.amplitude", "0.02"}}, 64}});
   register_variants("flexible_ring_8", ring("particles", "1e-4"), blocks_of_16);

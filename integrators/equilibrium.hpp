@@ -33,7 +33,7 @@ class Equilibrium {
   /// null: none. Rates do not know of it.
   void apply(const double* steady) { steady_ = steady; }
 
-  /// Positions are told relative to the present state from now on; times are counted from the
+  /// Positions are relative to the present state from now on; times are counted from the
   /// anchor, and the present one is `since`.
   void start_at(double since);
   /// Evaluates at a position and time: force(), and rates() of the running integrals.

@@ -16,7 +16,7 @@ struct LammpsPairs {
   std::string style;      ///< "lj/cut"
   std::string arguments;  ///< of pair_style; may be empty
   std::string modify;     ///< of pair_modify; empty: none
-  /// Of each pair_coeff the types, "1*2 3" or "* *", and the coefficients behind the style.
+  /// Each pair_coeff has its types, "1*2 3" or "* *", and the coefficients behind the style.
   std::vector<std::array<std::string, 2>> coefficients = {};
   double cutoff = 0.0;                  ///< length
   std::array<std::size_t, 2> bodies{};  ///< that it acts between, the same twice within a body

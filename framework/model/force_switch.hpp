@@ -39,7 +39,7 @@ class ForceSwitch {
   /// It is taken by its flow alone: what it stores does not change while it is not active.
   void is_taken_as_operator() { as_operator_ = true; }
 
-  /// Where its running integrals and its own variables stand, whose rates are zero at other times.
+  /// Rates of its running integrals and own variables are zero while it is off; these set indices.
   void place_rates(std::size_t first, std::size_t count) { rates_ = {first, count}; }
   void place_own(std::size_t first, std::size_t count) { own_ = {first, count}; }
   void attach_control(double* control) { control_ = control; }

@@ -270,7 +270,7 @@ std::vector<std::string> species_of(const BodyDraft& body) {
   return species;
 }
 
-/// Bodies in a box, as forces and observers are told of them.
+/// Outlines of the bodies in a box, which forces and observers read.
 class Outlines {
  public:
   /// Without box or dimension nothing is known of any body.

@@ -28,7 +28,7 @@
 /// framework/model for that.
 namespace tomlin {
 
-/// Where a table of a scene stands, for messages.
+/// Source location of a table of a scene, for messages.
 struct LocatedTable {
   SourceLocation location;
   std::map<std::string, SourceLocation> locations;  ///< of each key that was given

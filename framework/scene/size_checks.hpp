@@ -32,7 +32,7 @@ inline constexpr double kBytesPerPair = 80.0;
 /// expressions; `[scene]` holds none.
 bool check_expressions(const Table& document, FaultList& faults);
 
-/// Number of particles of each body, where it can be told.
+/// Number of particles of each body, where it can be computed.
 void count_particles(std::vector<BodyDraft>& bodies, std::optional<int> dimension,
                      FaultList& faults);
 

@@ -434,7 +434,7 @@ std::vector<Fault> faults() {
       {"no number far away", kSite, in_quadruple(planted<NoNumberFarAway>), "finite", kSubstrate},
       {"no number far away, without a second opinion", kSite, planted<NoNumberFarAway>, "finite",
        kSubstrate},
-      {"drag not told of", kSite, planted<SecretDrag>, "velocity", kSubstrate},
+      {"drag not declared", kSite, planted<SecretDrag>, "velocity", kSubstrate},
       {"calls counted", kSite, wrapped<CountsItsCalls, SinusoidalSubstrate>, "repeatable",
        kSubstrate},
       {"one evaluation behind", kSite, wrapped<OneBehind, SinusoidalSubstrate>, "repeatable",
@@ -445,8 +445,8 @@ std::vector<Fault> faults() {
        kSubstrate},
       {"overwrites what is there on a rigid body", kSite,
        wrapped<AddsOverwriting, SinusoidalSubstrate>, "its own", kRigid},
-      {"drag not told of, on a rigid body", kSite, planted<SecretDrag>, "velocity", kRigid},
-      {"elapsed time not told of", kSite, wrapped<FeelsTheStep, SinusoidalSubstrate>, "time",
+      {"drag not declared, on a rigid body", kSite, planted<SecretDrag>, "velocity", kRigid},
+      {"elapsed time not declared", kSite, wrapped<FeelsTheStep, SinusoidalSubstrate>, "time",
        kSubstrate},
       {"a bound on curvatures that is none", kSite, planted<BoundFarTooSmall>, "stiffness",
        kSubstrate},
@@ -493,7 +493,7 @@ std::vector<Fault> faults() {
        "conservative", kDriven},
       {"a support that waits for the next step", "driving_spring",
        wrapped<PlainDriver, ElapsedForgotten>, "time", kDriven},
-      {"time not told of", "driving_spring", valid, "time", kDriven,
+      {"time not declared", "driving_spring", valid, "time", kDriven,
        [](ForceRecord& r) { r.traits.depends_on_time = false; }},
 
       {"a memory that stores twice", "memory_damping", planted_memory<MemoryStoresTwice>, "balance",
@@ -542,7 +542,7 @@ TEST(CheckSuite, CatchesEveryPlantedFault) {
 
 TEST(CheckSuite, CatchesEveryPlantedFaultInSIUnits) {
   // Faults at positions and speeds, in numbers, that nothing there comes near.
-  const std::set<std::string> not_there = {"damping wrong above some speed", "drag not told of",
+  const std::set<std::string> not_there = {"damping wrong above some speed", "drag not declared",
                                            "no number far away",
                                            "no number far away, without a second opinion"};
   for (const Fault& fault : faults()) {

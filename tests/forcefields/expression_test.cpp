@@ -1,3 +1,5 @@
+#include "forcefields/expression.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,7 +9,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "forcefields/expression.hpp"
 #include "framework/core/text/fault.hpp"
 #include "framework/run/engine.hpp"
 #include "tests/support/faults.hpp"

@@ -188,7 +188,7 @@ TEST(Ties, WhatTurnsFreelyIsNotPushed) {
   }
 }
 
-/// A particle between two others loses its position in the middle at t = 0.4, where nothing holds
+/// A particle midway between two others becomes unstable there at t = 0.4, where nothing holds
 /// the three of them: steady forces that sum to zero leave them where they are, and decide.
 TEST(Ties, WhatSlidesFreelyIsPushed) {
   const auto point = [](const char* name, const char* at) {

@@ -84,7 +84,7 @@ def test_values_of_the_wrong_kind_have_a_key(tip, value):
             call()
         fault = raised.value.faults[0]
         assert fault.code and fault.message and fault.file
-        # What is no TOML has no key.
+        # A text that is no TOML has no key.
         no_toml = fault.code in ("scene.syntax", "scene.out_of_range") and not fault.key
         assert no_toml or fault.key.split(".")[-1] in ("m", "particle_mass")
 

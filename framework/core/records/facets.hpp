@@ -146,7 +146,7 @@ class Driving {
  public:
   virtual ~Driving() = default;
   virtual std::size_t rate_count() const { return 0; }
-  /// Where its rates stand among all.
+  /// Sets the index of its first rate among all rates.
   virtual void place_rates(std::ptrdiff_t first) { (void)first; }
   virtual const Drive* drive() const { return nullptr; }
 };
@@ -167,7 +167,7 @@ class Control {
   virtual void passed(const DoubleDouble& time) { (void)time; }
 };
 
-/// What a force says about itself, for messages, warnings and limits of steps.
+/// A force describes itself for messages, warnings and limits of steps.
 template <class Real>
 class Diagnosis {
  public:

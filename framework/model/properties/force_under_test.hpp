@@ -167,7 +167,7 @@ class ForceUnderTest {
 
   // ---- the answer
 
-  /// What a property keeps from one state to the next.
+  /// Numbers that a property keeps from one state to the next.
   struct Memory {
     Random random{1};
     double largest = 0.0;   ///< size of the forces at the states so far
@@ -290,7 +290,7 @@ bool same_bits(ForceUnderTest& e, const State& state);
 bool number_types(ForceUnderTest& e, const State& state);
 bool digits(ForceUnderTest& e, const State& state);
 
-// Where properties apply, and what is checked before the first state.
+// Conditions of the properties, and what they check before the first state.
 
 bool has_operator(ForceUnderTest& e);
 bool has_period(ForceUnderTest& e);
